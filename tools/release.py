@@ -5,6 +5,7 @@
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
 | motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
 | motionsync-<version>-site.zip | the documentation, which opens from its folder; natively |
+| motionsync-<version>.cdx.json | the software bill of materials, in CycloneDX |
 | RELEASE_NOTES.md | this version's section of CHANGELOG.md |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
@@ -39,7 +40,7 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
 from motionsync_fmu.pages.style import load_template
-from motionsync_fmu.scenario.files.example import load_example
+from tools.sbom import make_sbom
 from tools.site.build import make_site
 
 ROOT = Path(__file__).parent.parent
@@ -115,6 +116,8 @@ def make_release(
         if len(explore_pages) == len(BLOCKS):
             progress("site")
             write_zip(part / f"motionsync-{__version__}-site.zip", build_site(explore_pages))
+        sbom = make_sbom(build_time() or current.time)
+        (part / f"motionsync-{__version__}.cdx.json").write_bytes(sbom.encode())
         (part / "RELEASE_NOTES.md").write_bytes(current.text.encode())
         (part / "SHA256SUMS").write_bytes(checksums(part).encode())
         shutil.rmtree(folder, ignore_errors=True)
@@ -159,13 +162,7 @@ def build_fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: 
     versions = list(Fmi) if native else [Fmi.TWO]
     first_page = make_first_page(blocks, units, native=native)
     files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page}
-    slave_units = {block: load_example(block).slave_unit for block in blocks}  # a knife turns in degrees
-    recipes = [
-        Recipe(block, unit, slave_unit=slave_units[block], fmi=fmi)
-        for unit in units
-        for fmi in versions
-        for block in blocks
-    ]
+    recipes = [Recipe(block, unit, fmi=fmi) for unit in units for fmi in versions for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
         for i, recipe in enumerate(recipes, 1):
             folder_name = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"

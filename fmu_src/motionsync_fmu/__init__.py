@@ -2,7 +2,7 @@
 
     from motionsync_fmu import run
 
-    run("CutToLength/basic_cut", set={"master.velocity": 400.0}).passed
+    run("CutToLength/any_length", set={"master.velocity": 400.0}).passed
 
 `__init__.pyi` lists the names; each is imported when it is used first. Before that nothing is imported, so that Ctrl-C
 at the start of a command is no traceback.

@@ -15,7 +15,6 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
 from motionsync_fmu.commands import app as command_line
 from motionsync_fmu.pages.console import PlainConsole
-from motionsync_fmu.scenario.files.shipped import LINE_FILES, SCENARIO_FILE, find_files
 from tests import ROOT
 from tests.support.command_line import Command, assert_one_line
 from tests.support.workshop import STOP, process, scenario, without_progress
@@ -25,15 +24,6 @@ COMMANDS = tuple(command_line.COMMANDS)
 
 def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
     assert_one_line(motionsync("runn"), "No such command 'runn'", "describe", "new")
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_the_help_of_each_command_has_an_example_that_works(command: str) -> None:
-    text = CliRunner().invoke(command_line.app, [command, "--help"]).output
-    _, _, examples = text.partition("Example")
-    assert f"motionsync {command}" in examples
-    for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
-        assert find_files(Path(name), LINE_FILES if command == "line" else SCENARIO_FILE)
 
 
 def test_help_lists_the_commands() -> None:

@@ -1,9 +1,13 @@
 """`motionsync error`: the explanation of a fault code."""
 
 import re
+from collections.abc import Iterator
 
 import pytest
 
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.variables import members
 from tests.support.command_line import Command, assert_one_line
 
 
@@ -13,19 +17,39 @@ from tests.support.command_line import Command, assert_one_line
 def test_error_explains_a_code(motionsync: Command, arguments: tuple[str, ...]) -> None:
     outcome = motionsync("error", *arguments)
     assert (outcome.status, outcome.err) == (0, "")
-    assert outcome.out.startswith(
-        "FlyingSaw, 17118 = 0x42DE (NOT_AHEAD)\n  refused (0x42DE): both sync positions must be"
-    )
+    assert outcome.out.startswith("FlyingSaw\n  17118 = 0x42DE (NOT_AHEAD) in gear_in_pos.error_id")
+    assert "    refused (0x42DE): both sync positions must be" in outcome.out
     assert "gear_in_pos.error_id" in outcome.out
     assert "master.position" in outcome.out
 
 
-def test_error_lists_all_blocks_that_have_a_code(motionsync: Command) -> None:
-    """Of these seven; a further block may have the code, too."""
-    having = ["FlyingSaw", "Gearing", "Follower", *4 * ["CutToLength"], *3 * ["RotaryKnife"]]
-    listed = re.findall(r"^(\w+), 2 ", motionsync("error", "2").out, re.MULTILINE)
-    assert [name for name in listed if name in {*having, "Synchronizer", "RemoteSync"}] == having
-    assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
+@pytest.mark.parametrize("number", range(1, 15))
+def test_the_meanings_of_a_number_are_grouped_by_block(motionsync: Command, number: int) -> None:
+    """Each block comes once, in the sequence of `motionsync list`, with all its meanings, that of its error_id first;
+    named alone it has these and no others. Each of these numbers is a code of several blocks."""
+    meanings = {name: {*meanings_of(name, number)} for name in BLOCKS}
+    having = [name for name in BLOCKS if meanings[name]]
+    printed = motionsync("error", str(number)).out
+    assert re.findall(r"^(\w+)$", printed, re.M) == having
+    lead, _, _ = printed.partition("\n\n")
+    assert lead.startswith(f"{number}: ")
+    assert f"motionsync error {having[0]} {number}" in lead
+    for block in having:
+        part = re.search(rf"^{block}\n((?: .*\n)+)", printed, re.M)
+        assert part
+        assert part[0] in motionsync("error", block, str(number)).out
+        shown = re.findall(rf"^  {number} \((\w+)\) in (.*)$", part[1], re.M)
+        assert {(name, v) for name, where in shown for v in where.split(", ")} == meanings[block]
+        ids = [where.endswith("error_id") for _, where in shown]
+        assert ids == sorted(ids, reverse=True)
+
+
+def meanings_of(block: str, number: int) -> Iterator[tuple[str, str]]:
+    """The names of a block's codes with a number, each with a variable that shows it."""
+    for v in Recipe(block).variables.values():
+        for member in members(v.declaration.codes) if v.declaration.codes else ():
+            if member.value == number:
+                yield member.name, v.name
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,32 @@ def rows(out: str, heading: str) -> list[list[str]]:
     return [re.split(r"\s{2,}", line) for line in lines[:end]]
 
 
+@pytest.mark.parametrize(
+    ("lengths", "headline"),
+    [
+        ("1500", "1297.29 mm/s (77.84 m/min), for pieces of 1500 mm, limited by cycle time"),
+        ("1500,500", "619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: cycle time"),
+        ("500,900,1500", "619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: cycle time"),
+    ],
+)
+def test_the_first_figure_is_that_of_the_lengths_that_are_asked_for(
+    motionsync: Command, lengths: str, headline: str
+) -> None:
+    """The velocities as below."""
+    outcome = motionsync("plan-line", saw(), "--length", lengths, "--no-report")
+    assert f"  greatest line velocity: {headline}" in outcome.out
+
+
+def test_a_knife_is_limited_by_the_length_that_suits_it_least(motionsync: Command) -> None:
+    """Its blade, 600 mm around, is as fast as the material all along at 600 mm, where only the limit of its velocity
+    counts, 10 turns a second; and its way is longer or shorter for others."""
+    for lengths, worst in (("300,600", "300"), ("600", "600"), ("600,550,300", "300")):
+        outcome = motionsync("plan-line", "--machine", "knife", "--length", lengths, "--no-report")
+        assert f"pieces of {worst} mm" in outcome.out.splitlines()[1]
+    outcome = motionsync("plan-line", "--machine", "knife", "--length", "600", "--no-report")
+    assert outcome.out.splitlines()[1].startswith("  greatest line velocity: 6000 mm/s (360 m/min), for pieces of 600")
+
+
 def test_a_file_is_planned(motionsync: Command) -> None:
     """Known: 619.646 for 500, 1297.29 for 1500; 372.937 at 500, 997.607 at 1000."""
     outcome = motionsync("plan-line", saw())
@@ -47,7 +73,8 @@ def test_a_file_is_planned(motionsync: Command) -> None:
     head, top, *_ = outcome.out.splitlines()
     assert head == "Saw 3 (saw.toml): confirmed by 12 runs of the block"
     assert top == (
-        "  greatest line velocity: 1431.8 mm/s (85.91 m/min), for any length, limited by the carriage's stroke"
+        "  greatest line velocity: 619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: "
+        "cycle time: acceleration"
     )
     fastest = rows(outcome.out, "The greatest line velocity, over the length of the pieces")
     assert [row[:4] for row in fastest] == [
@@ -203,3 +230,23 @@ def test_a_mistake_in_the_file_has_file_line_and_key(
     motionsync: Command, old: str, new: str, parts: tuple[str, ...]
 ) -> None:
     assert_one_line(motionsync("plan-line", saw(SAW.replace(old, new))), *parts)
+
+
+@pytest.mark.parametrize("blades", [2, 3, 5])
+def test_a_knife_with_several_blades_is_planned(blades: int, motionsync: Command) -> None:
+    """Pieces of circumference over blades are the synchronous ones: their line is as fast as the edges may be,
+    3600/360 of a circumference of 600 in a second."""
+    length = 600.0 / blades
+    arguments = ("--machine", "knife", "--set", f"knife.blades={blades}", "--length", f"{length!r}", "--no-report")
+    outcome = motionsync("plan-line", *arguments, "--json")
+    assert (outcome.status, outcome.err) == (0, "")
+    (plan,) = json.loads(outcome.out)["machines"]
+    (point,) = plan["over_length"]
+    assert point["velocity"] == pytest.approx(6000.0, rel=1e-6)
+
+
+def test_a_knife_with_too_many_blades_is_refused_with_the_most_that_it_may_have(motionsync: Command) -> None:
+    """Windows of 20 and 20 on 600: 14 blades."""
+    outcome = motionsync("plan-line", "--machine", "knife", "--set", "knife.blades=20", "--length", "100")
+    assert_one_line(outcome, "knife.blades = 20", "local.allowed_to = 14")
+    assert "sync." not in outcome.err

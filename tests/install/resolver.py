@@ -10,16 +10,13 @@ right, on the machine at hand: it has to agree with what uv has installed (test_
 import os
 import subprocess
 import sys
-import tomllib
 from functools import cache
-from itertools import chain
 from pathlib import Path
 
 from packaging.markers import default_environment
-from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from tests import ROOT
+from tools.requirements import PROJECT, required
 
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 PLATFORMS = {  # in the table's words: in uv's words, and sys_platform and platform_machine
@@ -29,8 +26,7 @@ PLATFORMS = {  # in the table's words: in uv's words, and sys_platform and platf
     "macOS x86-64": ("x86_64-apple-darwin", "darwin", "x86_64"),
     "macOS arm64": ("aarch64-apple-darwin", "darwin", "arm64"),
 }
-PROJECT = ROOT / "pyproject.toml"
-EXTRAS = ("", "native", "line", "test")
+EXTRAS = ("", "native", "test")
 
 
 def versions(platform: str, python: str, extra: str = "", source: Path = PROJECT) -> dict[str, str]:
@@ -66,14 +62,6 @@ def left_out(platform: str, extra: str) -> list[str]:
     given = {name: str(value) for name, value in default_environment().items()}
     given |= {"sys_platform": system, "platform_machine": machine, "extra": ""}
     return [r.name for r in required(extra) if r.marker and not r.marker.evaluate(given)]
-
-
-def required(extra: str) -> list[Requirement]:
-    """The requirements of an extra, or without an extra those of every installation, as pyproject.toml names them."""
-    project = tomllib.loads(PROJECT.read_text("utf-8"))["project"]
-    result = map(Requirement, project["optional-dependencies"][extra] if extra else project["dependencies"])
-    parts = (chain.from_iterable(map(required, r.extras)) if r.name == "motionsync" else [r] for r in result)
-    return list(chain.from_iterable(parts))
 
 
 def main() -> None:

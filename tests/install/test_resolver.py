@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.install.resolver import EXTRAS, PLATFORMS, PYTHONS, left_out, required, versions
+from tests.install.resolver import EXTRAS, PLATFORMS, PYTHONS, left_out, versions
+from tools.requirements import required
 
 pytestmark = pytest.mark.slow
 

@@ -3,9 +3,12 @@
 import pytest
 
 from motionsync.blocks import BLOCKS
+from motionsync.var import Role, Unit
+from motionsync_fmu import describe
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.roles import remote_axis
+from motionsync_fmu.interface.units import BASES, unit_name
 from motionsync_fmu.interface.variables import refusals, variables
 
 
@@ -57,6 +60,20 @@ def test_what_cannot_be_made_is_refused() -> None:
     ):
         with pytest.raises(UserError, match=part):
             recipe.block()
+
+
+def test_a_tool_that_turns_does_so_in_degrees_unless_it_is_said_otherwise(block: str) -> None:
+    """Whether it turns is what the block declares: the travel of its slave from cut to cut."""
+    table = Recipe(block).variables.values()
+    turns = any(v.declaration.role is Role.CUT_SPACING for v in table)
+    assert turns or block != "RotaryKnife"
+    has_own_unit = any(v.declaration.unit.slave for v in table)
+    for unit in BASES:
+        position = describe(block, unit=unit).variables["slave.position"]
+        assert position.unit == unit_name(Unit.POSITION, "deg" if turns else unit)
+        for own in BASES if has_own_unit else ():
+            position = describe(block, unit=unit, slave_unit=own).variables["slave.position"]
+            assert position.unit == unit_name(Unit.POSITION, own)
 
 
 def test_one_block_has_a_remote_axis_and_the_others_a_master(block: str) -> None:

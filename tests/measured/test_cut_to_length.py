@@ -63,6 +63,41 @@ def test_no_piece_of_a_measured_line_is_skipped_or_late(sigma: float, resolution
         assert not result.measures[name].any(), name
 
 
+SPEEDS = [  # of lines, mm/s, with the share by which the jerk may be above its limit on them
+    (np.concatenate([np.linspace(150.0, 1250.0, 45), [150.5, 199.5, 200.5, 300.5, 401.0]]), 1.05),
+    (np.concatenate([np.linspace(80.0, 150.0, 20), np.linspace(98.0, 103.0, 30)]), 1.2),
+    (np.geomspace(2.0, 80.0, 50), 5.0),
+]
+
+
+@pytest.mark.parametrize(("sigma", "resolution"), [(0.05, 0.0), (0.0, 0.1)])
+@pytest.mark.parametrize(("velocity", "most"), SPEEDS, ids=["150 mm/s and more", "80 mm/s and more", "creeping"])
+@pytest.mark.parametrize("length", [100.0, 300.0, 800.0, 3000.0])
+def test_only_the_jerk_may_exceed_its_limit(
+    length: float, velocity: Reals, most: float, sigma: float, resolution: float
+) -> None:
+    """What the page says of lines at all velocities; those that make a whole number of counts a step are among them.
+    The limits of the start values: 2000 mm/s, 10 000 mm/s2, 100 000 mm/s3."""
+    limit = simulate_many("CutToLength", STEP, {}, "limits.max_line_velocity", start={"length": length}).values[0, 0, 0]
+    velocity = velocity[velocity < 0.97 * limit]
+    line = velocity[:, None] * times(30.0) + np.random.default_rng(3).uniform(0.0, 1.0, (velocity.size, 1))
+    slave = {f"slave.{name}": ("min", "max") for name in ("velocity", "acceleration", "jerk")}
+    result = simulate_many(
+        "CutToLength",
+        STEP,
+        {"master.position": counted(line, resolution) if resolution else noisy(line, sigma, velocity.size)},
+        reduce={**dict.fromkeys(["statistics.skipped", "statistics.late"], "last"), "error_id": "max", **slave},
+        start={**MEASURED, "master.velocity": velocity, "length": length, "auto_start": True},
+    )
+    assert not result.failures
+    for name in ("statistics.skipped.last", "statistics.late.last", "error_id.max"):
+        assert not result.measures[name].any(), name
+    allowed = {"velocity": 2000.0 * (1.0 + 1e-9), "acceleration": 1e4 * (1.0 + 1e-9), "jerk": 1e5 * most}
+    for name, greatest in allowed.items():
+        found = np.maximum(result.measures[f"slave.{name}.max"], -result.measures[f"slave.{name}.min"])
+        assert found.max() <= greatest, name
+
+
 def test_true_lengths_vary_by_at_most_twice_the_sigma_of_the_path() -> None:
     """Where the blade touches, as where the cut's mean is: no more than 0.6 of the noise."""
     sigma, velocity, length = 0.02, 500.0, 800.0

@@ -29,7 +29,10 @@ from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
+from motionsync_fmu.pages.results import evaluate_run, write_results
 from motionsync_fmu.pages.state_diagram import read_diagram
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
 from tests.support.fmus import Fmus
 
@@ -144,15 +147,18 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
 
 
 def test_the_first_lines_from_python_run_as_they_are_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 400 mm/s for 5 s there is one cut of 1500 mm; the shorter pieces are 600, 800 and 1000 mm long."""
+    """From the start at 0.1 s on, a line of 400 mm/s brings 9560 mm in 24 s: seven pieces of 1200 mm. At
+    1000 mm/s pieces of 600 and 800 mm are too short for this saw."""
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     exec(code_with(README, "result.to_frame()"), names)
     result, rows = names["result"], names["rows"].to_frame()
-    assert [piece.length for piece in result.pieces] == pytest.approx([1500.0], abs=1e-6)
+    assert [piece.length for piece in result.pieces] == pytest.approx([1200.0] * 7, abs=1e-6)
+    assert result.passed
     assert result.time.shape == result["slave.position"].shape == (result.to_frame().num_rows,)
     assert Path("report.html").stat().st_size > 100_000
     assert rows.column("length").to_pylist() == [600.0, 800.0, 1000.0]
+    assert rows.column("passed").to_pylist() == [False, False, True]
 
 
 def test_a_run_of_a_saw_that_is_made_in_python() -> None:
@@ -187,13 +193,17 @@ def test_the_batch_example_with_a_file_fills_it(tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
+    (name,) = re.findall(r"`motionsync run (.*)`", FMPY)
+    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
+    recording = simulate(scenario, native, scenario.step_size)
+    folder = tmp_path / "build" / "reports" / name
+    write_results(evaluate_run(scenario, recording), scenario, recording, native, folder, report=False)
     (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", FMPY)
     words = shlex.split(line.replace("\\\n", " "))
     words[words.index("build/native/Synchronizer.fmu")] = str(native)
-    words[words.index("Synchronizer_out.csv")] = str(tmp_path / "out.csv")
     words[0] = str(Path(sys.executable).with_name("fmpy"))
-    subprocess.run(words, cwd=ROOT, check=True)
-    rows = (tmp_path / "out.csv").read_text().splitlines()
+    subprocess.run(words, cwd=tmp_path, check=True)
+    rows = (tmp_path / "Synchronizer_out.csv").read_text().splitlines()
     assert len(rows) == 802
     assert "each of the 801 communication points" in FMPY
 

@@ -28,9 +28,8 @@ def only(predictions: list[Prediction]) -> Prediction:
     return prediction
 
 
-def test_the_forces_are_those_of_a_run_with_many_cycles(tmp_path: Path) -> None:
-    prediction = only(plan(MOTOR, [800.0], [500.0]).over_length)
-    assert prediction.motor
+def force_in_a_run(folder: Path, length: float, velocity: float) -> float:
+    """The rms of the force from the first cut of a run to the last one, by the oracle of the load."""
     text = f"""\
 title = "The planned line"
 fmu = "CutToLength"
@@ -38,14 +37,14 @@ stop_time = 15.0
 step_size = 0.001
 [start]
 auto_start = true
-length = 800.0
+length = {length}
 [master]
-velocity = {prediction.velocity * (1.0 - 1e-6)}
+velocity = {velocity}
 [load]
 mass = 120.0
 friction = 150.0
 """
-    (run,) = run_compiled(load_scenario(write_scenario(text, tmp_path)))
+    (run,) = run_compiled(load_scenario(write_scenario(text, folder)))
     assert run.recording
     velocity, acceleration = (run.recording.values[f"slave.{name}"].tolist() for name in ("velocity", "acceleration"))
     force = [
@@ -53,7 +52,39 @@ friction = 150.0
     ]
     starts = np.flatnonzero(np.diff(run.recording.values["tool.cutting"]) > 0.0) + 1
     inside = slice(starts[0], starts[-1] + 1)
-    rms = float(oracle.rms(run.recording.time[inside].tolist(), force[inside]))
+    return float(oracle.rms(run.recording.time[inside].tolist(), force[inside]))
+
+
+@pytest.mark.parametrize(("length", "velocity"), [(800.0, 400.0), (800.0, 650.0), (1200.0, 500.0), (1700.0, 900.0)])
+def test_the_force_for_a_length_at_a_line_velocity_is_that_of_a_run(
+    tmp_path: Path, length: float, velocity: float
+) -> None:
+    """Not that at the limit, which is greater on a slower line."""
+    made = plan(MOTOR, [length], [velocity])
+    (point,) = made.working_points
+    assert point.motor
+    assert (point.length, point.velocity) == (length, velocity)
+    assert point.motor.rms == pytest.approx(force_in_a_run(tmp_path, length, velocity), rel=4e-3)
+    at_limit = only(made.over_length).motor
+    assert at_limit
+    assert point.motor.rms < at_limit.rms
+    assert point.margin == pytest.approx(only(made.over_length).velocity / velocity - 1.0)
+
+
+def test_a_line_that_is_too_fast_has_no_force() -> None:
+    """The line of the first tutorial may run at 775.6 mm/s."""
+    saw = {"kerf": "4", "axis.max_position": "650"}
+    slow, fast = plan(MOTOR | saw, [800.0], [775.0, 776.0]).working_points
+    assert slow.motor
+    assert slow.margin > 0.0
+    assert not fast.motor
+    assert fast.margin < 0.0
+
+
+def test_the_forces_are_those_of_a_run_with_many_cycles(tmp_path: Path) -> None:
+    prediction = only(plan(MOTOR, [800.0], [500.0]).over_length)
+    assert prediction.motor
+    rms = force_in_a_run(tmp_path, 800.0, prediction.velocity * (1.0 - 1e-6))
     assert prediction.motor.rms == pytest.approx(rms, rel=2e-3)
     assert prediction.motor.peak == pytest.approx(120.0 * 10.0 + 150.0, rel=1e-3)
     assert prediction.motor.rms_share == pytest.approx(prediction.motor.rms / 900.0)
@@ -102,7 +133,7 @@ def test_the_command_prints_the_forces(motionsync: Command) -> None:
     settings = [part for name, value in MOTOR.items() for part in ("--set", f"{name}={value}")]
     outcome = motionsync("plan-line", *settings, "--length", "800", "--velocity", "400", "--no-report")
     assert outcome.status == 0
-    assert outcome.out.count("force rms N") == outcome.out.count("force peak N") == 2
+    assert outcome.out.count("force rms N") == outcome.out.count("force peak N") == 3
     assert "1350, 45 %" in outcome.out
     weak = [part.replace("load.peak_force=3000", "load.peak_force=1000") for part in settings]
     assert "1350, 135 %!" in motionsync("plan-line", *weak, "--length", "800", "--no-report").out

@@ -1,21 +1,28 @@
 """A release: the same bytes again, complete files, and a refusal where the changelog says nothing."""
 
 import hashlib
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from email.message import Message
 from email.parser import HeaderParser
 from html.parser import HTMLParser
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from cyclonedx.schema import SchemaVersion
+from cyclonedx.validation.json import JsonStrictValidator
 from fmpy import read_model_description
 from markdown_it import MarkdownIt
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 from motionsync.blocks import BLOCKS
@@ -30,9 +37,19 @@ from tools import release
 
 VERSION = __version__.partition(".dev")[0]  # of the next release, or of this one
 NAME = f"motionsync-{VERSION}"
-MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
+MADE = {
+    f"{NAME}-py3-none-any.whl",
+    f"{NAME}.tar.gz",
+    f"{NAME}-fmus.zip",
+    f"{NAME}.cdx.json",
+    "RELEASE_NOTES.md",
+    "SHA256SUMS",
+}
 RELEASE = """
 from pathlib import Path
+from tests.support.extras import dry_run, hide_others
+
+hide_others(*dry_run("release")[0])
 from motionsync_fmu.fmus.fmu import BuildOptions, Flavour
 from tools.release import make_release
 
@@ -102,7 +119,7 @@ def made(shared: Shared, project: Path) -> Path:
 
 
 def run(project: Path, folder: Path, **environment: str) -> str:
-    """Make the release in a process of its own, and return its output."""
+    """Make the release in a process of its own, with nothing but what `make release` installs; return its output."""
     path = os.pathsep.join(str(project / part) for part in ("", "model", "fmu_src"))
     path = os.pathsep.join([path, os.environ.get("PYTHONPATH", "")])
     code = RELEASE.format(folder=str(folder))
@@ -132,6 +149,30 @@ def test_the_checksums_are_those_of_all_other_files(made: Path) -> None:
     for line in lines:
         messages, name = line.split("  ")
         assert hashlib.sha256((made / name).read_bytes()).hexdigest() == messages
+
+
+def test_the_bill_of_materials_names_what_others_have_made(made: Path) -> None:
+    """Each package that pyproject.toml names for an installation or a release, with the version that is installed, and
+    the code of others that pages contain; by the schema of CycloneDX."""
+    text = (made / f"{NAME}.cdx.json").read_text("utf-8")
+    assert JsonStrictValidator(SchemaVersion.V1_6).validate_str(text) is None
+    bill = json.loads(text)
+    assert (bill["metadata"]["component"]["name"], bill["metadata"]["component"]["version"]) == ("motionsync", VERSION)
+    components = {c["name"]: c for c in bill["components"]}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    always = [canonicalize_name(Requirement(text).name) for text in project["dependencies"]]
+    optional = [canonicalize_name(Requirement(text).name) for text in project["optional-dependencies"]["sweep"]]
+    assert {components[name]["scope"] for name in always} == {"required"}
+    assert {components[name]["scope"] for name in {*optional} - {*always, "motionsync"}} == {"optional"}
+    for name in {*always, *optional} - {"motionsync"}:
+        assert components[name]["purl"] == f"pkg:pypi/{name}@{version(name)}"
+    bundled = {c["purl"] for c in bill["components"] if c["purl"].startswith("pkg:npm/")}
+    vendor = (ROOT / "fmu_src" / "motionsync_fmu" / "pages" / "vendor" / "README.md").read_text("utf-8")
+    plotly, uplot = re.findall(r"plotly\.js ([\d.]+),|uPlot ([\d.]+);", vendor)
+    assert bundled == {f"pkg:npm/plotly.js-basic-dist-min@{plotly[0]}", f"pkg:npm/uplot@{uplot[1]}"}
+    refs = {c["bom-ref"] for c in bill["components"]}
+    (root,) = [d for d in bill["dependencies"] if d["ref"] == bill["metadata"]["component"]["bom-ref"]]
+    assert {*root["dependsOn"]} == refs
 
 
 def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, tmp_path: Path) -> None:

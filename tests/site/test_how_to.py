@@ -4,12 +4,15 @@ import re
 import shlex
 import textwrap
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
 from motionsync import CutToLength
+from motionsync.blocks import BLOCKS
+from motionsync.gearing.interface import StartMode
 from motionsync.laws import (
     PARABOLA_PEAK_ACCELERATION,
     PARABOLA_TRAVEL,
@@ -20,6 +23,8 @@ from motionsync.laws import (
 from motionsync_fmu import Stepper
 from motionsync_fmu.batch.reductions import NUMBERED, PLAIN
 from motionsync_fmu.fmus.zip import write_zip
+from motionsync_fmu.interface.causality import Interface
+from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus
@@ -75,6 +80,46 @@ def test_the_run_to_compare_with_has_the_figures_of_the_pages(h: float) -> None:
         assert f"`last.length` is {length:.3f}" in text
         assert f"greatest `slave.position` was {greatest:.1f}." in text
     assert f"which is {saw['limits.max_line_velocity']:.1f}," in (DOCS / "how_to" / "wiring.md").read_text("utf-8")
+
+
+def test_the_traps_of_inputs_that_are_not_connected(blocks: list[str]) -> None:
+    """In Simulink these are 0: each input that has another start value is named, and may be a parameter."""
+    page = (DOCS / "how_to" / "simulink.md").read_text("utf-8")
+    rows = re.findall(r"^ *\| (\w+) \| `([\w.]+)` \| (\w+) \|", page, re.M)
+    for block in blocks:
+        starts = {v.name: v.text(v.start) for v in Recipe(block).variables.values() if v.causality == "input"}
+        nonzero = {name: start for name, start in starts.items() if start not in ("0", "0.0", "false")}
+        assert {name: start for owner, name, start in rows if owner == block} == {
+            name: start.removesuffix(".0") for name, start in nonzero.items()
+        }
+        assert Recipe(block, interface=Interface(parameter=tuple(nonzero))).block()
+
+
+@pytest.mark.parametrize(
+    ("block", "name", "output", "start"),
+    [
+        ("Gearing", "activate", "in_gear", {"gear_in.start_mode": StartMode.CW_DIRECT}),
+        ("CutToLength", "length", "statistics.cuts", {"length": 300.0}),
+        ("RotaryKnife", "length", "statistics.cuts", {"length": 400.0}),
+        ("CutToLength", "order.quantity", "order.waiting", {"order.length": 100.0}),
+        ("CutToLength", "line.wanted_velocity", "line.velocity_request", {}),
+        ("RotaryKnife", "line.wanted_velocity", "line.velocity_request", {}),
+    ],
+)
+def test_an_input_that_is_0_disables_what_the_page_says(
+    block: str, name: str, output: str, start: dict[str, Any]
+) -> None:
+    greatest = []
+    for given in ({}, {name: 0}):
+        stepper = Stepper(BLOCKS[block]()).initialize(start | given)
+        values = []
+        for i in range(4000):
+            commands = {n: i > 10 for n in ("start", "order.add") if n in stepper.cells}
+            stepper.step(1e-3, {"master.position": 0.3 * i, "master.velocity": 300.0, **commands})
+            values.append(float(stepper[output]))
+        greatest.append(max(values[100:]))
+    assert greatest[0] > 0.0
+    assert greatest[1] == 0.0
 
 
 def test_the_table_of_ramps() -> None:

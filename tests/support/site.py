@@ -1,15 +1,28 @@
 """The documentation site, built once in a test run, and its pages."""
 
 import shutil
+import subprocess
+import sys
 from dataclasses import dataclass, field
 from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
+from tests import ROOT
 from tests.support.explored import explored
+from tests.support.extras import dry_run
 from tests.support.fmus import Fmus
 
+MAKE = """
+from pathlib import Path
+from tests.support.extras import hide_others
+
+hide_others(*{extras})
+from tools.site.build import make_site
+
+make_site(Path({site!r}), Path({pages!r}))
+"""
 VERBATIM = ("code", "pre", "script", "style", "svg")  # their texts are no prose
 
 
@@ -65,16 +78,16 @@ class Site:
 
 
 def made_site(fmus: Fmus, explored_block: str = "CutToLength") -> Site:
-    """The site, in the process that asks first. The page to explore one block serves for all: they take a minute to
-    make."""
+    """The site, made with nothing but what `make docs` installs, when it is first asked for. The page to explore one
+    block serves for all: they take a minute to make."""
 
     def fill(folder: Path) -> None:
-        from tools.site.build import make_site  # noqa: PLC0415 (MkDocs takes half a second to load)
-
         pages = folder / "explore"
         pages.mkdir()
         for name in BLOCKS:
             shutil.copyfile(explored(fmus, explored_block).file, pages / f"{name}.html")
-        make_site(folder / "site", pages)
+        code = MAKE.format(extras=dry_run("docs")[0], site=str(folder / "site"), pages=str(pages))
+        done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
 
     return Site(fmus.shared.once("site", fill) / "site")

@@ -18,6 +18,7 @@ import typer
 import motionsync_fmu
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.commands.app import COMMANDS, app
+from motionsync_fmu.interface.recipe import default_slave_unit
 from motionsync_fmu.interface.table import groups
 from motionsync_fmu.interface.variables import members, summary, variables
 from motionsync_fmu.pages.style import load_template
@@ -29,16 +30,17 @@ from tools.site.pages import made_pages
 TEMPLATES = Path(__file__).parent / "templates"
 UNIT = "mm"  # in which the tables give positions
 FILES = re.compile("|".join(map(re.escape, made_pages().values())))
-TO_USUAL_END = re.compile(r"(\S+) to 1e\+12$")
+TO_USUAL_END = re.compile(r"(\S+) to (?:1e\+12|2147483647)$")
 PARAGRAPH_AS_IT_IS = "\b"  # click's mark of a paragraph whose lines are not joined
 
 
 def block_reference(name: str) -> str:
     """The variables of a block, its enumerations and its fault codes, in HTML."""
-    block = BLOCKS[name]()
+    block, slave_unit = BLOCKS[name](), default_slave_unit(BLOCKS[name])
     values = {
         "unit": UNIT,
-        "groups": groups(block, UNIT),
+        "slave_unit": slave_unit,
+        "groups": groups(block, UNIT, slave_unit),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,

@@ -17,16 +17,18 @@ from ..fmus.fmu import (
     Finish,
     Flavour,
     fmu_path,
+    ignore,
     optional_contents,
     start_build,
     why_outdated,
 )
-from ..fmus.prebuilt import Report, select_flavours, silent
+from ..fmus.prebuilt import Report, select_flavours
 from ..interface.build_time import build_time
 from ..interface.causality import CausalityError, Interface
 from ..interface.recipe import Fmi, Recipe
 from ..interface.units import BASES
 from .scenario_source import Value, literal
+from .shown import shown
 
 Names = str | Sequence[str]
 """One name, or several."""
@@ -45,12 +47,13 @@ def build(
     as_parameter: Names = (),
     as_local: Names = (),
     output: str | Path | None = None,
+    terminals: bool = False,
     sources: bool = False,
     wasm: bool = False,
     force: bool = False,
-    report: Report = silent,
-    notify: Callable[[str], None] = lambda line: None,
-    finished: Callable[[BuiltFmu], None] = lambda fmu: None,
+    report: Report | None = None,
+    notify: Callable[[str], None] | None = None,
+    finished: Callable[[BuiltFmu], None] | None = None,
 ) -> list[BuiltFmu]:
     """Build FMUs that are missing or stale.
 
@@ -59,7 +62,8 @@ def build(
         flavour: `"native"` or `"python"`; by default all that can be built here.
         fmi: the version of FMI, `"2"` or `"3"`.
         unit: of all positions, `"mm"`, `"m"`, `"deg"`, `"rad"` or `"1"`; velocities follow.
-        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master.
+        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master; by default
+            deg if its tool turns, else `unit`.
         start: start values to bake in, by name: `{"kerf": 4.0}` or `{"kerf": "4 mm"}`; for one block only, as the
             next four.
         as_input: the variables that become inputs, as names or patterns: `"gearing.*"`.
@@ -67,10 +71,11 @@ def build(
         as_parameter: those that become parameters.
         as_local: those that become local variables.
         output: the folder for the FMUs, `<flavour>/<block>.fmu`, of FMI 3.0 `fmi3/<block>.fmu`; by default `build`.
+        terminals: say in an FMU of FMI 2.0, too, which variables are wired together.
         sources: add the C code, for any other processor; of the native flavour.
         wasm: add a WebAssembly component, of FMI 3.0.
         force: build FMUs that are up to date, too.
-        report: reports a task while it is done.
+        report: reports a task while it is done; by default this is shown in a notebook only.
         notify: called with a message to the user.
         finished: called with each FMU as soon as it is there.
 
@@ -94,6 +99,7 @@ def build(
     for recipe in recipes:
         _validate(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
+    notify = notify or ignore
     chosen = select_flavours(version, flavours, notify)
     folder = Path(output) if output else paths.output_folder(notify)
     if sources and Flavour.NATIVE not in chosen:
@@ -104,14 +110,15 @@ def build(
         [
             _RequestedBuild(recipe, fmu_path(recipe, folder, options.flavour), options, force)
             for recipe in recipes
-            for options in (BuildOptions(each, (), sources and each == Flavour.NATIVE, wasm) for each in chosen)
+            for each in chosen
+            for options in [BuildOptions(each, terminals, (), sources and each == Flavour.NATIVE, wasm)]
         ],
-        report,
+        shown(report),
         finished,
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BuiltFmu:
     """An FMU that is there.
 
@@ -127,6 +134,9 @@ class BuiltFmu:
     is_new: bool
     has_replaced: bool
 
+    def __repr__(self) -> str:
+        return f"{self.path} ({self.recipe.name}, FMI {self.recipe.fmi}.0, {'new' if self.is_new else 'up to date'})"
+
 
 @dataclass(frozen=True)
 class _RequestedBuild:
@@ -140,7 +150,7 @@ class _RequestedBuild:
     def is_up_to_date(self) -> bool:
         if self.force or why_outdated(self.target, self.recipe):
             return False
-        return optional_contents(self.target) == (self.options.with_sources, self.options.with_component)
+        return optional_contents(self.target) == self.options.optional_contents(self.recipe.fmi)
 
     def start(self) -> Finish:
         """Start the build: zig compiles this FMU while the previous one is finished."""
@@ -148,7 +158,7 @@ class _RequestedBuild:
 
 
 def _build_all(
-    builds: Sequence[_RequestedBuild], report: Report, finished: Callable[[BuiltFmu], None]
+    builds: Sequence[_RequestedBuild], report: Report, finished: Callable[[BuiltFmu], None] | None
 ) -> list[BuiltFmu]:
     """Build what is missing or stale; one is compiled while the one before is packed."""
     built: list[BuiltFmu] = []
@@ -164,7 +174,8 @@ def _build_all(
                     finish_next = following.start() if following and not following.is_up_to_date() else None
                 finish(this.target, notify)
         built.append(BuiltFmu(this.target, this.recipe, is_new, is_new and existed))
-        finished(built[-1])
+        if finished:
+            finished(built[-1])
     return built
 
 

@@ -24,7 +24,8 @@ def describe(fmu: str | Path, *, unit: str = "mm", slave_unit: str = "") -> Desc
     Args:
         fmu: a block's name, or the path of a built FMU.
         unit: of all positions, `"mm"`, `"m"`, `"deg"`, `"rad"` or `"1"`; a built FMU has its own.
-        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master.
+        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master; by default
+            deg if its tool turns, else `unit`.
 
     Raises:
         UserError: there is no such block, FMU or unit.

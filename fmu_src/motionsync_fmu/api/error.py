@@ -11,7 +11,8 @@ NEAREST = 3  # codes that a message names if no code has the number
 
 
 def error(*code: str | int) -> list[FaultCode]:
-    """The fault codes with a number, or with some words in their name or description.
+    """The fault codes with a number, or with some words in their name or description: those of a block together, of
+    which those that an `error_id` shows come first.
 
     Args:
         code: an `error_id`, `17118` or `"0x42DE"`, or words of the message; before it the name of a block, if only its
@@ -20,7 +21,7 @@ def error(*code: str | int) -> list[FaultCode]:
     Raises:
         UserError: there is none; the message has the nearest ones.
     """
-    codes, words = all_codes(), [str(word) for word in code]
+    codes, words = sorted(all_codes(), key=_place), [str(word) for word in code]
     if len(words) > 1 and words[0].lower() in (name.lower() for name in BLOCKS):
         block = resolve_name(BLOCKS, words.pop(0), "block")
         codes = [c for c in codes if c.block == block]
@@ -39,3 +40,8 @@ def error(*code: str | int) -> list[FaultCode]:
         listed = ", ".join(f"{c.number_text} ({c.block})" for c in nearest)
         raise UserError(f"no block has the fault code {text}; the nearest are {listed}")
     return matches
+
+
+def _place(code: FaultCode) -> tuple[int, bool]:
+    """Where a code comes in a list: by its block, and first if an `error_id` shows it."""
+    return [*BLOCKS].index(code.block), not any(name.endswith("error_id") for name in code.carriers)

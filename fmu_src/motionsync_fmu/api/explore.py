@@ -9,22 +9,23 @@ from motionsync.blocks import BLOCKS
 from .. import paths
 from ..errors import UserError
 from ..explorer.page import scenarios_of, write_page
-from ..fmus.fmu import Flavour
-from ..fmus.prebuilt import Report, prepare_fmus, silent
+from ..fmus.fmu import Flavour, ignore
+from ..fmus.prebuilt import Report, prepare_fmus
 from ..interface.recipe import Recipe
 from ..optional_dependencies import how_to_install, missing_for_native
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_files
 from ..scenario.scenario import Scenario
+from .shown import shown
 
 
-def explore(subject: str | Path, *, output: str | Path | None = None, report: Report = silent) -> Path:
+def explore(subject: str | Path, *, output: str | Path | None = None, report: Report | None = None) -> Path:
     """Write a page on which a block is moved by hand, without any tool and without a network; return its path.
 
     Args:
         subject: a block, or a scenario to start with: its file, its folder or its short name.
         output: the folder for the page, `<block>.html`; by default `build/explore`.
-        report: reports a task while it is done.
+        report: reports a task while it is done; by default this is shown in a notebook only.
 
     Raises:
         UserError: neither a block nor a scenario has this name, the scenarios are of several blocks, or the compiler is
@@ -33,10 +34,10 @@ def explore(subject: str | Path, *, output: str | Path | None = None, report: Re
     if missing := missing_for_native():
         raise UserError(f"{missing} builds the page, and is not installed: {how_to_install('native')}")
     name, scenarios = _find_scenarios(str(subject))
-    (fmu,) = prepare_fmus([Recipe(name)], Flavour.NATIVE, report)
-    folder = Path(output) if output else paths.output_folder(lambda text: None) / "explore"
+    (fmu,) = prepare_fmus([Recipe(name)], Flavour.NATIVE, shown(report))
+    folder = Path(output) if output else paths.output_folder(ignore) / "explore"
     target = folder / f"{name}.html"
-    with report(f"writing {target}, with {len(scenarios)} scenarios") as progress:
+    with shown(report)(f"writing {target}, with {len(scenarios)} scenarios") as progress:
         write_page(name, scenarios, fmu, target, progress)
     return target
 

@@ -11,6 +11,7 @@ from ..plan.reader import read_machines, read_option
 from ..plan.report import write_plan
 from .frame import frame
 from .scenario_source import Value, literal
+from .shown import shown
 
 
 def plan_line(
@@ -41,7 +42,8 @@ def plan_line(
     settings = {name: literal(value) for name, value in (set or {}).items()}
     data, own_lengths, own_velocities = read_machines([Path(m) for m in machines], machine, settings, unit)
     lengths, velocities = read_option("length", length, data[0]), read_option("velocity", velocity, data[0])
-    plan = make_plan(data, lengths or own_lengths, velocities or own_velocities)
+    with shown()("planning the line"):
+        plan = make_plan(data, lengths or own_lengths, velocities or own_velocities)
     return LinePlanResult(plan.machines, plan.comparison)
 
 

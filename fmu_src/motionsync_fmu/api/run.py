@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError, choose
-from ..fmus.fmu import Flavour
+from ..fmus.fmu import Flavour, ignore
 from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
 from ..optional_dependencies import require
@@ -18,14 +18,18 @@ from ..pages.results import evaluate_run, output_columns, write_results
 from ..pages.run_view import view_run
 from ..pages.summary import figure_rows
 from ..paths import replace_file
+from ..scenario.evaluate.axis_figures import LoadFigures
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome
-from ..scenario.evaluate.reference_files import csv_text, options_text
+from ..scenario.evaluate.reference_comparison import reference_file
+from ..scenario.evaluate.reference_files import csv_text
+from ..scenario.evaluate.true_pieces import TruePieces
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate
 from ..scenario.scenario import Scenario
 from .frame import frame
 from .scenario_source import Source, Value, load
+from .shown import shown
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -59,8 +63,8 @@ def run(
     version = choose({str(v): v for v in Fmi}, fmi, "version of FMI")
     chosen = [choose({str(f): f for f in Flavour}, flavour, "flavour")] if flavour else []
     loaded = load(scenario, set=set, step_size=step_size)
-    flavours = select_flavours(version, chosen, lambda text: None)
-    (fmu,) = prepare_fmus([replace(loaded.recipe, fmi=version)], flavours[0])
+    flavours = select_flavours(version, chosen, ignore)
+    (fmu,) = prepare_fmus([replace(loaded.recipe, fmi=version)], flavours[0], shown())
     recording = simulate(loaded, fmu, loaded.step_size)
     return RunResult(loaded, recording, fmu, evaluate_run(loaded, recording))
 
@@ -105,6 +109,17 @@ class RunResult:
         """The pieces that the block reported, in the sequence of their cuts; empty for a block that reports none."""
         production = self.outcome.figures.production
         return [*production.pieces] if production else []
+
+    @property
+    def true_pieces(self) -> TruePieces | None:
+        """The pieces as a tape measure finds them (`.pieces`), and the spread of their lengths; None: the scenario's
+        line is exact, or nothing is cut."""
+        return self.outcome.figures.true_pieces
+
+    @property
+    def load(self) -> LoadFigures | None:
+        """What the motor has to give; None: the scenario has no table [load]."""
+        return self.outcome.figures.load
 
     @property
     def time(self) -> Reals:
@@ -152,14 +167,14 @@ class RunResult:
         """
         return write_results(self.outcome, self.scenario, self.recording, self.fmu, Path(folder), report=report)
 
-    def write_reference(self, *names: str, tolerance: float = 1e-6) -> Path:
+    def write_reference(self, *names: str) -> Path:
         """Write columns beside the scenario's file, as the reference of its later runs; return the file.
 
-        `run` compares each later run with it, and fails a variable that is further off. Look at the run first.
+        `run` compares each later run with it, and fails a variable that is further off than the file's `tolerance`
+        allows. Look at the run first.
 
         Args:
             names: outputs or local variables; by default the slave's position and velocity.
-            tolerance: relative to the greatest magnitude of each variable, at least 1.
 
         Raises:
             UserError: there is no such variable, or the run is not that of a scenario's file with its own values.
@@ -170,10 +185,9 @@ class RunResult:
         listed = names or ("slave.position", "slave.velocity")
         columns = [choose(self.recording.columns, name, "variable with values over time") for name in listed]
         rows = zip(self.time.tolist(), *(column.tolist() for column in columns), strict=True)
-        file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
+        file = reference_file(scenario)
         with replace_file(file) as part:
             part.write_text(csv_text(["time", *listed], rows), "utf-8")
-        file.with_suffix(".opt").write_text(options_text(replace(scenario, tolerance=tolerance)), "utf-8")
         return file
 
     def __repr__(self) -> str:

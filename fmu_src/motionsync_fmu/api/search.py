@@ -21,8 +21,10 @@ from typing import TYPE_CHECKING, Any, Unpack
 from numpy.typing import ArrayLike
 
 from ..errors import Interrupted
+from ..fmus.fmu import ignore
 from ..optional_dependencies import require
 from ..scenario.files.shipped import find_scenario
+from .shown import Count, counted
 from .sweep import settings
 
 if TYPE_CHECKING:
@@ -44,8 +46,8 @@ def search(
     output: str | Path | None = None,
     workers: int | None = None,
     scheduler: str = "",
-    progress: Callable[[int, int], None] = lambda done, points: None,
-    notify: Callable[[str], None] = lambda line: None,
+    progress: Count | None = None,
+    notify: Callable[[str], None] | None = None,
     **options: Unpack[SamplingOptions],
 ) -> pa.Table:
     """The boundaries at all points of the grid that the factors make.
@@ -59,7 +61,7 @@ def search(
         output: a folder that keeps the rows as parts, so that the same call goes on; None: nothing is kept.
         workers: how many processes of this computer search, as of a sweep.
         scheduler: the address of a Dask scheduler, as of a sweep.
-        progress: called with the number of points that are done, and of all.
+        progress: called with the number of points that are done, and of all; by default a notebook shows them.
         notify: called with a message to the user.
         options: as of a sweep. The measures are those of the run at the boundary; what the condition names is measured
             anyway.
@@ -79,18 +81,19 @@ def search(
 
     file, grid = find_scenario(Path(scenario)), settings(set or {})
     request = Search.of(file, vary, until, grid, relative=relative, **options)
-    how: Any = {"scheduler": scheduler, "workers": workers, "progress": progress, "notify": notify}
-    if output is not None:
-        execute(request, Path(output), boundaries, **how)
-        return _read_rows(Path(output))
-    try:
-        if not scheduler and (workers == 1 or (workers is None and request.runs <= TOGETHER)):
-            return pa.concat_tables(_searched_in_this_process(request, progress))
-        with TemporaryDirectory() as aside:
-            execute(request, Path(aside), boundaries, **how)
-            return _read_rows(Path(aside))
-    except (KeyboardInterrupt, Interrupted):
-        raise Interrupted("interrupted: nothing is kept without a folder for the rows (--output)") from None
+    how: Any = {"scheduler": scheduler, "workers": workers, "notify": notify or ignore}
+    with counted(progress, f"searching {vary.partition('=')[0]}", "points") as count:
+        if output is not None:
+            execute(request, Path(output), boundaries, progress=count, **how)
+            return _read_rows(Path(output))
+        try:
+            if not scheduler and (workers == 1 or (workers is None and request.runs <= TOGETHER)):
+                return pa.concat_tables(_searched_in_this_process(request, count))
+            with TemporaryDirectory() as aside:
+                execute(request, Path(aside), boundaries, progress=count, **how)
+                return _read_rows(Path(aside))
+        except (KeyboardInterrupt, Interrupted):
+            raise Interrupted("interrupted: nothing is kept without a folder for the rows (--output)") from None
 
 
 def _read_rows(folder: Path) -> pa.Table:
@@ -101,7 +104,7 @@ def _read_rows(folder: Path) -> pa.Table:
     return ds.dataset(files).to_table().sort_by("point").replace_schema_metadata()
 
 
-def _searched_in_this_process(request: Search, progress: Callable[[int, int], None]) -> Iterator[pa.Table]:
+def _searched_in_this_process(request: Search, progress: Count) -> Iterator[pa.Table]:
     """The rows of all points, some at a time."""
     from ..sweeps.boundaries import boundaries  # noqa: PLC0415
 

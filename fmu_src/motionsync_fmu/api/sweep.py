@@ -23,15 +23,17 @@ from __future__ import annotations  # help() shows the types as they are written
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import UserError
+from ..fmus.fmu import ignore
 from ..optional_dependencies import require
 from ..scenario.files.shipped import find_scenario
 from .scenario_source import literal
+from .shown import Count, counted
 
 if TYPE_CHECKING:
     from ..sweeps.sweep_plan import SamplingOptions
@@ -46,8 +48,8 @@ def sweep(
     workers: int | None = None,
     scheduler: str = "",
     chunk: int = 0,
-    progress: Callable[[int, int], None] = lambda done, runs: None,
-    notify: Callable[[str], None] = lambda line: None,
+    progress: Count | None = None,
+    notify: Callable[[str], None] | None = None,
     **options: Unpack[SamplingOptions],
 ) -> Rows:
     """Run a scenario with many values, on all cores or many computers.
@@ -61,7 +63,7 @@ def sweep(
         workers: how many processes of this computer work; by default one for each core.
         scheduler: the address of a Dask scheduler, whose workers do it instead.
         chunk: the runs of a part file; 0: those of some seconds.
-        progress: called with the number of runs that are done, and of all.
+        progress: called with the number of runs that are done, and of all; by default a notebook shows them.
         notify: called with a message to the user.
         options: `samples`, `method`, `seed`, `measures` and `yes`, as `sweep_plan.SamplingOptions` explains them.
 
@@ -79,7 +81,9 @@ def sweep(
     from ..sweeps.table import Rows  # noqa: PLC0415
 
     plan = SweepPlan.of(find_scenario(Path(scenario)), settings(set), chunk=chunk, **options)
-    execute(plan, Path(output), rows, scheduler=scheduler, workers=workers, progress=progress, notify=notify)
+    how: Any = {"scheduler": scheduler, "workers": workers, "notify": notify or ignore}
+    with counted(progress, f"sweeping {plan.variation.scenario.label}", "runs") as count:
+        execute(plan, Path(output), rows, progress=count, **how)
     return Rows(Path(output))
 
 

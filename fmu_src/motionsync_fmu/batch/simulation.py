@@ -90,6 +90,11 @@ class BatchResult:
     failures: tuple[Failure, ...]
     measures: Mapping[str, Reals]
 
+    def __repr__(self) -> str:
+        instances, steps, _ = self.values.shape
+        shown = [*self.names, *self.measures]
+        return f"{instances} instances, {len(self.failures)} of them failed, {steps} steps: {', '.join(shown)}"
+
     def __getitem__(self, name: str) -> Reals:
         """One output, of shape (instances, steps): a view.
 
@@ -113,7 +118,7 @@ def simulate_many(
     instances: int | None = None,
     threads: int | None = None,
     out: Reals | None = None,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Callable[[float], None] | None = None,
 ) -> BatchResult:
     """Step independent instances of a block over given inputs, with compiled code on all cores.
 
@@ -162,7 +167,7 @@ def simulate_many(
     batch = _Batch(block, step_size, inputs, start or {}, outputs, interface, steps, instances)
     reductions = Reductions(batch.type, reduce or {}, batch.instances, batch.steps)
     out = batch.target(out)
-    failures = batch.run(out, reductions, count_workers(threads), progress)
+    failures = batch.run(out, reductions, count_workers(threads), progress or (lambda share: None))
     failures.sort(key=lambda f: f.instance)
     return BatchResult(tuple(outputs), out, tuple(failures), reductions.results(f.instance for f in failures))
 

@@ -31,7 +31,10 @@ def command(
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
         str,
-        typer.Option(metavar=UNITS, help="Unit of the slave's positions, of a block that has both (Follower)."),
+        typer.Option(
+            metavar=UNITS,
+            help="Unit of the slave's positions, of a block that has both; else deg for a tool that turns, or --unit.",
+        ),
     ] = "",
     start: Annotated[
         list[str] | None,
@@ -45,6 +48,10 @@ def command(
         Path | None,
         typer.Option(help="Target of the FMUs: OUTPUT/FLAVOUR/FMU.fmu, OUTPUT/fmi3/FMU.fmu; else in build."),
     ] = None,
+    terminals: Annotated[
+        bool,
+        typer.Option("--terminals", help="Add terminals to FMUs of FMI 2.0, too: FMILibrary 3 logs an error on them."),
+    ] = False,
     sources: Annotated[
         bool, typer.Option("--sources", help="Add the C code to the FMU, for any other processor; native flavour.")
     ] = False,
@@ -90,6 +97,7 @@ def command(
         as_parameter=as_parameter or [],
         as_local=as_local or [],
         output=output,
+        terminals=terminals,
         sources=sources,
         wasm=wasm,
         force=force,

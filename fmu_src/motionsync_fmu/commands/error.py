@@ -4,8 +4,7 @@ from typing import Annotated
 
 import typer
 
-from ..pages.console import out
-from ..pages.description import print_code
+from ..pages.description import print_explanations
 
 
 def command(
@@ -19,6 +18,9 @@ def command(
 ) -> None:
     """Explain a fault code.
 
+    A small number means something else in each block: all its meanings are shown, those of a block together, that of
+    its error_id first. With the name of a block only its own are shown.
+
     Examples:
 
         motionsync error 17118
@@ -29,7 +31,6 @@ def command(
     """
     from ..api.error import error
 
-    for i, match in enumerate(error(*code)):
-        if i:
-            out.print()
-        print_code(match)
+    codes = error(*code)
+    words = code[1:] if len(code) > 1 and code[0].lower() == codes[0].block.lower() else code
+    print_explanations(codes, " ".join(words))

@@ -73,7 +73,7 @@ def command(
 
         motionsync run FlyingSaw --step-size 0.007 --no-report
 
-        motionsync run CutToLength/basic_cut --set master.velocity=650 --set axis.max_acceleration=4000
+        motionsync run CutToLength/any_length --set master.velocity=650 --set axis.max_acceleration=4000
     """
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")

@@ -73,7 +73,7 @@ def command(
 
         motionsync sweep FlyingSaw/cyclic_cut --set master.velocity=100:500:41 --output out
 
-        motionsync sweep CutToLength/basic_cut --set length=300..3000 --set axis.max_jerk=1e5..1e6 --samples 100000 \
+        motionsync sweep CutToLength/any_length --set length=300..3000 --set axis.max_jerk=1e5..1e6 --samples 100000 \
 --measure slave.acceleration=max --output out
     """
     require("sweep", "distributed", "pyarrow", "scipy")

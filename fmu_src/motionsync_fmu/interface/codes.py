@@ -8,7 +8,7 @@ from motionsync.blocks import BLOCKS
 from .variables import members, variables
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FaultCode:
     """A fault code of a block.
 
@@ -20,6 +20,9 @@ class FaultCode:
     block: str
     member: Any
     carriers: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"{self.block}, {self.number_text} ({self.name}) in {', '.join(self.carriers)}: {self.description}"
 
     @property
     def number(self) -> int:

@@ -9,12 +9,13 @@ from types import MappingProxyType
 from typing import Any
 
 from motionsync.blocks import BLOCKS
+from motionsync.var import Role
 
 from ..errors import UserError, choose
 from .causality import Interface
 from .quantities import read_number
-from .roles import PieceVariables, piece_variables
-from .units import BASES, unit_name
+from .roles import PieceVariables, find_by_role, piece_variables
+from .units import BASES, DEGREE, unit_name
 from .variables import Variable, variables
 
 
@@ -33,8 +34,8 @@ class Recipe:
         name: the block's name.
         unit: the unit of positions, a key of BASES.
         starts: start values to bake in, as texts by the variables' names; a number may have a unit.
-        slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
-            as `unit`.
+        slave_unit: the unit of the slave's positions, for a block whose axes may have different units; where none is
+            given that of `default_slave_unit`; empty: the same as `unit`.
         interface: the variables with another causality than the block declares.
         fmi: the version of the FMU.
     """
@@ -45,6 +46,10 @@ class Recipe:
     slave_unit: str = ""
     interface: Interface = field(default_factory=Interface)
     fmi: Fmi = Fmi.TWO
+
+    def __post_init__(self) -> None:
+        if not self.slave_unit and self.name in BLOCKS:
+            object.__setattr__(self, "slave_unit", default_slave_unit(BLOCKS[self.name]))
 
     def block(self) -> Any:
         """A new block with the baked start values.
@@ -105,6 +110,12 @@ def variables_by_name(block: Any, overrides: Mapping[str, str]) -> Mapping[str, 
     return MappingProxyType({v.name: v for v in variables(block, overrides)})
 
 
+def default_slave_unit(block_type: type) -> str:
+    """The unit of the slave's positions where none is given: deg for a block whose tool turns (it has CUT_SPACING); for
+    the others empty, which is the master's."""
+    return DEGREE if find_by_role(declared_variables(block_type).values(), Role.CUT_SPACING) else ""
+
+
 def check_slave_unit(block: Any, unit: str) -> None:
     """Refuse an unknown slave unit, and any slave unit for a block whose axes have the same unit.
 
@@ -138,8 +149,7 @@ def parse(v: Variable, text: str, unit: str, slave_unit: str = "") -> Any:
         with suppress(ValueError):
             value = int(text)
     if value is None:
-        allowed = "true or false" if v.kind == "Boolean" else v.allowed_range
-        raise UserError(f"{v.name}={text}: {text!r} is not allowed: it must be {allowed}")
+        raise UserError(f"{v.name}={text}: {text!r} is not allowed: it must be {v.allowed_values}")
     if refusal := v.refusal(value):
         raise UserError(refusal)
     return value

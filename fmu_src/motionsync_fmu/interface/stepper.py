@@ -73,6 +73,9 @@ class Stepper:
         self._type: type = type(block)
         self._set_cells: dict[str, Cell] = {}  # those that were set
 
+    def __repr__(self) -> str:
+        return f"Stepper of a {self._type.__name__}"
+
     def set(self, values: Mapping[str, Any]) -> Self:
         """Set cells.
 

@@ -41,13 +41,23 @@ def print_codes(codes: Sequence[FaultCode]) -> None:
             _print_wrapped(f"  {code.number_text} {code.name}: {code.description}", 8)
 
 
-def print_code(code: FaultCode) -> None:
-    """Explain one fault code."""
-    out.print(f"[bold]{escape(code.block)}, {code.number_text}[/] ({code.name})")
-    _print_wrapped(f"  {code.description}", 2)
-    for title, names in (("in", list(code.carriers)), ("its message shows", code.shows)):
-        if names:
-            _print_wrapped(f"  {title}: {', '.join(names)}", 4)
+def print_explanations(codes: Sequence[FaultCode], asked: str) -> None:
+    """Explain fault codes, those of a block together; `asked`: the number or the words that all of them have."""
+    blocks = {code.block: None for code in codes}
+    if len(codes) > 1:
+        where = f"in {len(blocks)} blocks" if len(blocks) > 1 else f"in {codes[0].block}"
+        _print_wrapped(f"{asked}: {len(codes)} meanings {where}. The variable that shows the code decides.", 0)
+    if len(blocks) > 1:
+        _print_wrapped(f"Of one block alone: motionsync error {codes[0].block} {asked}", 0)
+    for i, (block, group) in enumerate(groupby(codes, lambda code: code.block)):
+        if i or len(codes) > 1:
+            out.print()
+        out.print(f"[bold]{escape(block)}[/]")
+        for code in group:
+            _print_wrapped(f"  {code.number_text} ({code.name}) in {', '.join(code.carriers)}", 4)
+            _print_wrapped(f"    {code.description}", 4)
+            if code.shows:
+                _print_wrapped(f"    its message shows: {', '.join(code.shows)}", 6)
 
 
 def facts(row: Row) -> str:

@@ -13,7 +13,7 @@ from ..scenario.engineering import engineering, line_speed
 from .comparison import Comparison
 from .line_plan import LinePlan, MachinePlan
 from .machine import Machine
-from .prediction import LENGTH, SHARE, Gap, Prediction
+from .prediction import LENGTH, SHARE, Gap, MotorUse, Prediction
 
 MOST_GAINS = 2  # in a row of a table
 LEAST_GAIN = 0.02  # of SHARE: a lesser gain is not shown
@@ -38,7 +38,9 @@ def _print_machine(plan: MachinePlan) -> None:
     source = f" ({escape(plan.machine.origin)})" if plan.machine.origin else ""
     runs = f"{plan.runs} run{'s' * (plan.runs != 1)} of the block"
     out.print(f"[bold]{escape(plan.machine.title)}[/]{source}: {mark} by {runs}")
-    out.print(f"  {escape(top_text(plan.machine))}")
+    out.print(f"  {escape(top_text(plan))}")
+    if plan.working_points:
+        _print_table("The given lengths at the given line velocities", working_point_columns(plan))
     _print_table(
         "The greatest line velocity, over the length of the pieces", table_columns(plan.machine, plan.over_length)
     )
@@ -48,10 +50,18 @@ def _print_machine(plan: MachinePlan) -> None:
         out.print(f"[yellow]![/] {escape(note)}: {escape(', '.join(where))}")
 
 
-def top_text(machine: Machine) -> str:
-    """The greatest line velocity of all, and what limits it, in words."""
-    velocity = line_speed(machine.greatest_velocity, machine.unit, digits=DIGITS)
-    return f"greatest line velocity: {velocity}, {machine.greatest_velocity_bound}"
+def top_text(plan: MachinePlan) -> str:
+    """The greatest line velocity at which all given lengths can be cut, and what limits it, in words; without given
+    lengths that of the machine."""
+    machine = plan.machine
+    if not plan.has_given_lengths:
+        velocity = line_speed(machine.greatest_velocity, machine.unit, digits=DIGITS)
+        return f"greatest line velocity: {velocity}, {machine.greatest_velocity_bound}"
+    least = min(plan.over_length, key=lambda prediction: prediction.velocity)
+    velocity = line_speed(least.velocity, machine.unit, digits=DIGITS) if least.velocity else "none"
+    pieces = f"pieces of {engineering(least.length or 0.0, machine.unit_of(Unit.POSITION), digits=DIGITS)}"
+    which = f"for all given lengths, limited by {pieces}:" if plan.over_length[1:] else f"for {pieces}, limited by"
+    return f"greatest line velocity: {velocity}, {which} {least.limited_by}"
 
 
 def describe_given(machine: Machine, prediction: Prediction) -> str:
@@ -89,6 +99,16 @@ def _margin(velocity: float, line_velocity: float) -> str:
     return f"{100.0 * share:.3g} %{'!' * (share < 0.0)}"
 
 
+def working_point_columns(plan: MachinePlan) -> dict[str, list[str]]:
+    """The columns of the table of given lengths at given line velocities, with a text for each."""
+    machine, points = plan.machine, plan.working_points
+    columns = _column("length", machine.unit_of(Unit.POSITION), [p.length for p in points])
+    columns |= _column("line velocity", machine.unit_of(Unit.VELOCITY), [p.velocity for p in points])
+    columns |= {"m/min": [_per_minute(p.velocity, machine.unit) for p in points]}
+    columns |= {"margin": [_margin(p.greatest_velocity, p.velocity) for p in points]}
+    return columns | _motor_columns([p.motor for p in points])
+
+
 def table_columns(machine: Machine, predictions: Sequence[Prediction]) -> dict[str, list[str]]:
     """The columns of a table of predictions, each with its heading and a text for each prediction."""
     u, v = machine.unit_of(Unit.POSITION), machine.unit_of(Unit.VELOCITY)
@@ -106,7 +126,7 @@ def table_columns(machine: Machine, predictions: Sequence[Prediction]) -> dict[s
         columns |= {name: [_time((p.cycle or {}).get(name)) for p in predictions]}
     for name, unit in dict.fromkeys((n, figure.unit) for p in predictions for n, figure in p.figures.items()):
         columns |= {f"{name} {unit}".strip(): [_figure(p, name) for p in predictions]}
-    columns |= _motor_columns(predictions)
+    columns |= _motor_columns([p.motor for p in predictions])
     columns |= {"confirmed": [_confirmed(p) for p in predictions]}
     return columns
 
@@ -140,9 +160,8 @@ def _figure(prediction: Prediction, name: str) -> str:
     return engineering(prediction.figures[name].value, digits=DIGITS) if name in prediction.figures else ""
 
 
-def _motor_columns(predictions: Sequence[Prediction]) -> dict[str, list[str]]:
+def _motor_columns(used: Sequence[MotorUse | None]) -> dict[str, list[str]]:
     """The forces of the motor, with the share of what it can give: `450.4, 50 %`; none if the load is not known."""
-    used = [p.motor for p in predictions]
     unit = next((motor.unit for motor in used if motor), "")
     quantity = "torque" if unit == "N m" else "force"
     return {

@@ -74,7 +74,6 @@ class Knife(Machine):
 
     kind: ClassVar[str] = "knife"
     block: ClassVar[str] = "RotaryKnife"
-    default_slave_unit: ClassVar[str] = "deg"
     tool: ClassVar[str] = "knife"
     bound_colours: ClassVar[Mapping[str, str]] = {
         VELOCITY: "--band-1",

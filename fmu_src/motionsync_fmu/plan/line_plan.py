@@ -9,25 +9,32 @@ from .comparison import Comparison, compare
 from .confirmation import confirm
 from .machine import Machine
 from .motor import predict_motor_use
-from .prediction import Prediction
+from .prediction import TOLERANCE, Prediction, WorkingPoint
 
 DEFAULT_COUNT = 9  # about so many lengths or velocities are planned where none are given
 LONGEST_PITCH = 1.25  # of the longest pitch that limits the line: the longest default pitch
 LEAST_VELOCITY = 0.1  # of the greatest line velocity: the least default velocity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MachinePlan:
     """What one machine can do.
 
     Attributes:
         over_length: the greatest line velocity at each length.
         over_velocity: the shortest length at each line velocity.
+        has_given_lengths: whether the lengths are those that were asked for; else they are a selection.
+        working_points: each length that is asked for, or that the machine's scenario cuts, at each such line velocity.
     """
 
     machine: Machine
     over_length: list[Prediction]
     over_velocity: list[Prediction]
+    has_given_lengths: bool
+    working_points: list[WorkingPoint]
+
+    def __repr__(self) -> str:
+        return f"{self.machine.title}: {len(self.predictions)} predictions"
 
     @property
     def predictions(self) -> list[Prediction]:
@@ -56,6 +63,7 @@ class MachinePlan:
             "greatest_velocity": machine.greatest_velocity,
             "over_length": [_as_json(prediction) for prediction in self.over_length],
             "over_velocity": [_as_json(prediction) for prediction in self.over_velocity],
+            "working_points": [asdict(point) | {"margin": point.margin} for point in self.working_points],
         }
 
 
@@ -139,10 +147,26 @@ def make_plan(machines: Sequence[Machine], lengths: Sequence[float], velocities:
 
 def plan_machine(machine: Machine, lengths: Sequence[float], velocities: Sequence[float]) -> MachinePlan:
     """The plan of one machine; `lengths`, `velocities` as for `make_plan`."""
-    lengths, velocities = lengths or default_lengths(machine), velocities or default_velocities(machine)
-    over_length = [confirm(machine, machine.predict_greatest_velocity(length)) for length in lengths]
-    over_velocity = [confirm(machine, machine.predict_shortest_length(velocity)) for velocity in velocities]
-    return MachinePlan(machine, _with_motor(machine, over_length), _with_motor(machine, over_velocity))
+    own_velocities = [machine.line_velocity] if machine.line_velocity else []
+    points = [
+        plan_working_point(machine, length, velocity)
+        for length in lengths or machine.orders
+        for velocity in velocities or own_velocities
+    ]
+    shown_lengths, shown_velocities = lengths or default_lengths(machine), velocities or default_velocities(machine)
+    over_length = [confirm(machine, machine.predict_greatest_velocity(length)) for length in shown_lengths]
+    over_velocity = [confirm(machine, machine.predict_shortest_length(velocity)) for velocity in shown_velocities]
+    return MachinePlan(
+        machine, _with_motor(machine, over_length), _with_motor(machine, over_velocity), bool(lengths), points
+    )
+
+
+def plan_working_point(machine: Machine, length: float, velocity: float) -> WorkingPoint:
+    """The plan for pieces of this length at this line velocity."""
+    greatest = machine.predict_greatest_velocity(length).velocity
+    is_reached = greatest >= velocity * (1.0 - TOLERANCE)
+    motor = predict_motor_use(machine, machine.load, length, velocity) if machine.load and is_reached else None
+    return WorkingPoint(length, velocity, greatest, motor)
 
 
 def _with_motor(machine: Machine, predictions: list[Prediction]) -> list[Prediction]:

@@ -35,7 +35,6 @@ class Machine(ABC):
     Attributes:
         kind: the name of the kind, as the option `--machine` has it.
         block: the block that is this kind of machine.
-        default_slave_unit: the unit of the slave's positions unless another one is given; empty: that of the master's.
         tool: what carries the blade.
         bound_colours: what limits such a machine, with a colour each.
         part_colours: the parts of its cycle in their sequence, with a colour each.
@@ -56,7 +55,6 @@ class Machine(ABC):
 
     kind: ClassVar[str]
     block: ClassVar[str]
-    default_slave_unit: ClassVar[str]
     tool: ClassVar[str]
     bound_colours: ClassVar[Mapping[str, str]]
     part_colours: ClassVar[Mapping[str, str]]
@@ -80,11 +78,12 @@ class Machine(ABC):
     def default(cls) -> Self:
         """The machine with the block's own start values."""
         title = f"A machine with {cls.block}"
-        return cls(title, cls.kind, "", Recipe(cls.block), "mm", cls.default_slave_unit or "mm", {})
+        recipe = Recipe(cls.block)
+        return cls(title, cls.kind, "", recipe, "mm", recipe.slave_unit or "mm", {})
 
     def with_units(self, unit: str, slave_unit: str = "") -> Self:
         """The machine with these units; `slave_unit`: empty: that of such a machine."""
-        return replace(self, unit=unit, slave_unit=slave_unit or self.default_slave_unit or unit)
+        return replace(self, unit=unit, slave_unit=slave_unit or self.recipe.slave_unit or unit)
 
     def with_start(self, values: Mapping[str, Any]) -> Self:
         """The machine with other values of some parameters or inputs."""

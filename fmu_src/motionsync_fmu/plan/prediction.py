@@ -90,6 +90,28 @@ class MotorUse:
 
 
 @dataclass(frozen=True)
+class WorkingPoint:
+    """A length and a line velocity that are both given.
+
+    Attributes:
+        length: of the pieces, in u of true material.
+        velocity: of the line, in u/s of the master.
+        greatest_velocity: that of the line at this length; 0: none is possible.
+        motor: what the slave's motor has to give; None: the line is too fast, or the load is not known.
+    """
+
+    length: float
+    velocity: float
+    greatest_velocity: float
+    motor: MotorUse | None
+
+    @property
+    def margin(self) -> float:
+        """By what share the line might be faster; below 0: it is too fast."""
+        return self.greatest_velocity / self.velocity - 1.0
+
+
+@dataclass(frozen=True)
 class Prediction:
     """The greatest line velocity at one length, or the shortest length at one line velocity.
 

@@ -16,7 +16,7 @@ from ..interface.units import BASES
 from ..scenario.files.axis_tables import read_load
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_scenario, scenario_name
-from ..scenario.files.toml_tables import TomlTable, read_text, read_toml
+from ..scenario.files.toml_tables import TomlTable, read_text, read_toml, to_float
 from ..scenario.files.variable_tables import StartTable, Subject
 from ..scenario.load import Load
 from ..scenario.scenario import Scenario
@@ -51,7 +51,7 @@ def read_machines(
     tops += [read_text("", Path("--set")) for _ in machines[len(tops) :]]
     if unit:
         unit = resolve_name(BASES, unit, "unit")
-        machines = [m.with_units(unit, m.slave_unit if m.default_slave_unit else "") for m in machines]
+        machines = [m.with_units(unit, m.slave_unit if m.recipe.slave_unit else "") for m in machines]
     each = _distribute(settings, machines)
     machines = [_with_settings(m, top, values) for m, top, values in zip(machines, tops, each, strict=True)]
     lengths, velocities = (
@@ -140,7 +140,7 @@ def _from_file(top: TomlTable) -> Machine:
         top.fail("machine", f"{kind!r} is not one of {', '.join(KINDS)}")
     machine = KINDS[kind].default()
     unit = _unit(top, "unit", "mm")
-    if "slave_unit" in top and not machine.default_slave_unit:
+    if "slave_unit" in top and not machine.recipe.slave_unit:
         top.fail("slave_unit", f"the slave of a {kind} is in the unit of the material")
     machine = machine.with_units(unit, _unit(top, "slave_unit", ""))
     subject = Subject(machine.block, machine.recipe.variables, "master", MASTER_SOURCE)
@@ -228,7 +228,7 @@ def read_numbers(numbers: str | Sequence[float], unit: str) -> list[float]:
         UserError: it is no such text, or a number in it is not allowed.
     """
     if not isinstance(numbers, str):
-        return sorted({_allowed(float(number)) for number in numbers})
+        return sorted({_allowed(to_float(number)) for number in numbers})
     values: set[float] = set()
     for part in filter(None, (p.strip() for p in numbers.split(","))):
         first, separator, last = part.partition(RANGE)

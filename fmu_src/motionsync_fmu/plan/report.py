@@ -14,7 +14,7 @@ from ..pages.style import load_template
 from ..paths import replace_file
 from ..scenario.engineering import engineering, line_speed
 from .charts import chart_comparison, chart_cycle, chart_over_length, chart_over_velocity
-from .console import DIGITS, comparison_columns, describe_given, table_columns, top_text
+from .console import DIGITS, comparison_columns, describe_given, table_columns, top_text, working_point_columns
 from .line_plan import LinePlan, MachinePlan
 from .machine import Machine
 from .prediction import SHARE
@@ -51,7 +51,7 @@ def _machine_section(plan: MachinePlan, label: str) -> dict[str, Any]:
     machine, variables = plan.machine, plan.machine.recipe.variables
     units = (machine.unit, machine.slave_unit)
     example = select_example(plan)
-    top, _, bound = top_text(machine).partition(": ")[2].partition(", ")
+    top, _, bound = top_text(plan).partition(": ")[2].partition(", ")
     return {
         "machine": machine,
         "of": f" of {label}" if label else "",
@@ -60,6 +60,7 @@ def _machine_section(plan: MachinePlan, label: str) -> dict[str, Any]:
         "bound": bound,
         "charts": [chart_over_length(plan).html(), chart_over_velocity(plan).html()],
         "tables": [table_columns(machine, predictions) for predictions in (plan.over_length, plan.over_velocity)],
+        "working_points": working_point_columns(plan) if plan.working_points else {},
         "has_gap": any(p.gap for p in plan.predictions),
         "example": example,
         "cycle": chart_cycle(machine, example.length, example.velocity).html() if example else "",

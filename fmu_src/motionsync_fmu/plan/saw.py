@@ -108,7 +108,6 @@ class Saw(Machine):
 
     kind: ClassVar[str] = "saw"
     block: ClassVar[str] = "CutToLength"
-    default_slave_unit: ClassVar[str] = ""
     tool: ClassVar[str] = "carriage"
     bound_colours: ClassVar[Mapping[str, str]] = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}
     part_colours: ClassVar[Mapping[str, str]] = {

@@ -40,6 +40,11 @@ class Rows:
         named = filter(None, (NAME.fullmatch(file.name) for file in folder.iterdir()))
         self._files = dict(sorted((int(name[1]), folder / name[0]) for name in named))
 
+    def __repr__(self) -> str:
+        """What was run, how many of its rows are there, and the columns."""
+        head = f"{self.plan.variation.scenario.label}: {len(self):,} of {self.plan.runs:,} runs in {self.folder}"
+        return f"{head}\ncolumns: {', '.join(self.schema.names)}"
+
     @property
     def files(self) -> list[Path]:
         """The part files, in the order of the runs."""

@@ -9,7 +9,7 @@ from .key_figures import KeyFigures
 from .reference_comparison import Deviation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScenarioOutcome:
     """The results of a run of a scenario, and the files with them. Nearly all fields are keys of `--json`.
 
@@ -43,6 +43,10 @@ class ScenarioOutcome:
     report: str | None = None
     fmpy: str = ""
     overrides: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        files = ", ".join(file for file in (self.result, self.report) if file)
+        return f"{self.title} ({self.name}): {'as expected' if self.passed else 'NOT as expected'} {files}".rstrip()
 
     @property
     def passed(self) -> bool:

@@ -12,7 +12,7 @@ from motionsync.blocks import BLOCKS
 
 from ...errors import UserError
 from ...interface.causality import CausalityError, Interface
-from ...interface.recipe import Recipe, check_slave_unit
+from ...interface.recipe import Recipe, check_slave_unit, default_slave_unit
 from ...interface.roles import remote_axis
 from ...interface.units import BASES
 from ..computed_columns import computed_variables
@@ -110,7 +110,7 @@ def read_scenario(
         step_size=step_size,
         scan=step_size,
         tolerance=TOP.value(top, "tolerance"),
-        start=with_encoder(start, encoder) if encoder else start,
+        start=with_encoder(start, encoder, reader.recipe.variables) if encoder else start,
         master=script,
         encoder=encoder,
         remote=reader.remote(script, start, settings) if reader.axis else None,
@@ -145,7 +145,7 @@ def read_block(top: TomlTable) -> tuple[str, str, str]:
             check_slave_unit(BLOCKS[name](), slave_unit)
         except UserError as error:
             top.fail("slave_unit", str(error))
-    return name, unit, slave_unit
+    return name, unit, slave_unit or default_slave_unit(BLOCKS[name])
 
 
 def read_times(top: TomlTable) -> tuple[float, float]:

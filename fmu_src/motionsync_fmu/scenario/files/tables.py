@@ -18,7 +18,13 @@ TOP = TableKeys(
         text("source", "where it comes from: document, section", default="", absent="none"),
         text("fmu", "the block", value="name of a block"),
         text("unit", "of positions, for the report", default="mm", value=", ".join(BASES)),
-        text("slave_unit", "of the slave's positions", default="", absent="as unit", value=", ".join(BASES)),
+        text(
+            "slave_unit",
+            "of the slave's positions",
+            default="",
+            absent="deg for a tool that turns, else as unit",
+            value=", ".join(BASES),
+        ),
         number("stop_time", "how long the run is", "s", above=0.0),
         number(
             "step_size",
