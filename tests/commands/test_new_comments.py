@@ -178,6 +178,13 @@ def window(run: Run, is_before: bool) -> float:
     raise AssertionError("no window")
 
 
+def blades(run: Run) -> float:
+    """How often the knife's travel from one cut to the next, which is that from blade to blade, goes into a turn."""
+    first, second = run.cuts()[1:3]
+    turns = np.diff(run["slave.position"][first : second + 1])
+    return 360.0 / float((turns - 360.0 * np.round(turns / 360.0)).sum())
+
+
 def front(run: Run) -> float:
     """Where the material begins, from the knife at the start: a piece before the first cut. No cut is skipped."""
     assert run["statistics.skipped"][-1] == 0.0
@@ -268,6 +275,7 @@ CLAIMS: dict[str, dict[str, Claim]] = {
             (450.0, 900.0),
             steps=0.0,
         ),
+        "knife.blades": Claim("how many blades, evenly spaced", blades, (2, 3), steps=1e-4),
         "axis.max_velocity": limit("how fast the knife can turn", "slave.velocity", 2000.0, 7200.0),
         "axis.max_acceleration": limit(
             "how fast it can accelerate and brake, in deg/s2", "slave.acceleration", 40000.0, 2e5
@@ -325,7 +333,7 @@ def commented(text: str) -> list[tuple[str, str, str]]:
     return [(match["key"], match["value"], match["comment"]) for match in FIGURE.finditer(text)]
 
 
-def number(key: str, literal: str) -> float:
+def number(literal: str) -> float:
     """A figure of the templates, which have them in mm, deg and s, or with one of these units."""
     value, _, unit = literal.strip('"').partition(" ")
     factor = {"": 1.0, "m/min": 1000.0 / 60.0, "rpm": 6.0}[unit]
@@ -342,7 +350,7 @@ def run_with(block: str, folder: Path, key: str, value: float | None) -> Run:
         file.write_text(text, "utf-8")
     (run,) = run_compiled(load_scenario(file))
     assert run.recording, run.failure
-    figures = {k: number(k, literal) for k, literal, comment in commented(text) if comment not in ADVICE}
+    figures = {k: number(literal) for k, literal, comment in commented(text) if comment not in ADVICE}
     return Run(run.recording, figures)
 
 
