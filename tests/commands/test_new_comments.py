@@ -20,7 +20,7 @@ from tests.support.recordings import run_compiled
 
 Booleans = np.ndarray[Any, np.dtype[np.bool_]]
 FIGURE = re.compile(r'(?m)^"?(?P<key>[\w.]+)"? = (?P<value>[^#\n]*?) *# (?P<comment>.*)$')
-ADVICE = {  # what is said of no run, but to whom changes the file
+ADVICE = {  # what is named of no run, but to whom changes the file
     "longer for slower masters",
     "longer for slower lines",
     "longer for slower lines and longer pieces",
@@ -357,8 +357,8 @@ def run_with(block: str, folder: Path, key: str, value: float | None) -> Run:
 @pytest.mark.parametrize("block", BLOCKS)
 def test_each_comment_on_a_figure_has_its_claim(block: str, tmp_path: Path) -> None:
     text = new(block, tmp_path).read_text("utf-8")
-    told = {(key, comment) for key, _, comment in commented(text) if comment not in ADVICE}
-    assert told == {(key, claim.comment) for key, claim in CLAIMS[block].items()}
+    stated = {(key, comment) for key, _, comment in commented(text) if comment not in ADVICE}
+    assert stated == {(key, claim.comment) for key, claim in CLAIMS[block].items()}
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -374,10 +374,10 @@ def test_the_run_does_what_the_comment_says(block: str, key: str, tmp_path: Path
     claim = CLAIMS[block][key]
     for index, value in enumerate((None, *claim.others)):
         run = run_with(block, tmp_path / str(index), key, value)
-        said, measured = run.values[key], claim.measure(run)
+        named, measured = run.values[key], claim.measure(run)
         assert run["error"].max() == 0.0
         if claim.is_limit:
-            assert 0.0 < measured <= said * (1.0 + 1e-9)
+            assert 0.0 < measured <= named * (1.0 + 1e-9)
         else:
             unit = float(np.diff(run.time).max()) if claim.is_time else run.step
-            assert measured == pytest.approx(said, rel=1e-6, abs=claim.steps * unit)
+            assert measured == pytest.approx(named, rel=1e-6, abs=claim.steps * unit)
