@@ -28,13 +28,17 @@ The meeting:
   then lasts up to the next start, less the wait.
 
 A variable cycle:
-- "Less than C after this one" is checked at sync_out; such a value is lost, not saved for park. "Beyond what the phase
+- "Less than C after this one" is checked at sync_out, and where a value that came later would be met; such a value is
+  lost. "Beyond what the phase
   allows" is a meeting that leaves no travel (R <= 0, M <= 0, no travel for homing).
 - At park a late value is a missed start, so M_WAITING_NEXT_CYCLE, also right after positioning or homing.
 - A value is checked again at park whenever a parameter changes. The occurrence ahead with a period is that of the value
   (not of the aligned meeting), ahead of the master when the value is set.
 - Recovery is tried when the value is set in homing, however far ahead it is, and where it turns out late at park; not
   with skip or assumed set, and not with parameters out of order. If refused in homing the value stays.
+- "In a cycle of the minimum duration" a recovery from where the slave is leads to the meeting C after the one before:
+  to an earlier one it would be faster. So the values that count late are those that count in time. A later one may be
+  faster, too, since the slave carries its curvature on: then it is held for park, where it is in time.
 
 Positioning and alarms:
 - Standstill is checked with the master after a jump at that time. Refused in M_IN_ALARM; the alarm's error_id stays.
@@ -141,8 +145,8 @@ class FollowerRun(MasterCrossings, EventRun):
 
     `phase`: the cycle's, None in idle and alarm; in positioning the one aimed at. `aimed_at`: the master's position
     during positioning to the cycle. `largest`: that of the master since leaving park. `pending`: a variable value that
-    no cycle has used yet, `used`: that of the cycle that runs. `skipped`: the last start not carried out, `window`: up
-    to where M_WAITING_NEXT_CYCLE lasts.
+    no cycle has used yet, `used`: that of the cycle that runs. `last_meeting`: that of the last synchronized phase.
+    `skipped`: the last start not carried out, `window`: up to where M_WAITING_NEXT_CYCLE lasts.
     """
 
     def __init__(self, script: Mapping[str, Any], horizon: Number) -> None:
@@ -160,7 +164,7 @@ class FollowerRun(MasterCrossings, EventRun):
         self.moves: list[tuple[Number, Number]] = []
         self.timed_end = mp.inf
         self.aimed_at: Number | None = None
-        self.largest = self.skipped = -mp.inf
+        self.largest = self.skipped = self.last_meeting = -mp.inf
         self.window: Number | None = None
         self.used: Number | None = None
         self.pending: Number | None = self._occurrence() if self.variable else None
@@ -290,7 +294,9 @@ class FollowerRun(MasterCrossings, EventRun):
                 self._wait_for_next(meeting - ramp - values.wait)
         elif self.pending is not None:
             meeting = self.pending - values.shift
-            if meeting - ramp < self._master_position() - tolerance:
+            if self._is_too_soon(meeting, values):
+                meeting = None
+            elif meeting - ramp < self._master_position() - tolerance:
                 if self._recovered(meeting):
                     return
                 self.log.append((self.time, "start missed"))
@@ -334,6 +340,14 @@ class FollowerRun(MasterCrossings, EventRun):
     def _to_skip(self) -> bool:
         return bool(self.inputs["skip_next_cycle"] or self.inputs["sync_assumed"])
 
+    def _is_too_soon(self, meeting: Number, values: Values) -> bool:
+        """Whether a value is lost, since its meeting is less than C after the one before."""
+        is_too_soon = bool(meeting < self.last_meeting + values.cycle * (1 - TIE))
+        if is_too_soon:
+            self.log.append((self.time, "value too soon"))
+            self.pending = None
+        return is_too_soon
+
     def _recovered(self, meeting: Number) -> bool:
         """A late value is met on the fly, if that is allowed and keeps the limits."""
         phase, values, begin = self.phase, Values.read(self.inputs), self._reached()
@@ -341,12 +355,19 @@ class FollowerRun(MasterCrossings, EventRun):
         is_allowed = self.inputs["recover_late_sync"] and not (values.linear or values.stop_in_park or self._to_skip())
         if not is_allowed or values.fault or meeting <= begin:
             return False
+        if self._is_too_soon(meeting, values):
+            return False
         rates = self.law.over(begin)[:3] if isinstance(self.law, Cam) else (self._slave()[0], ZERO, ZERO)
         joining = following(values, rates, begin, meeting, phase.base)
-        assert isinstance(joining.law, Cam)
+        earliest, slack = self.last_meeting + values.cycle, TIE * values.cycle
+        if begin + slack < earliest < meeting - slack:
+            fastest = following(values, rates, begin, earliest, phase.base)
+            if _greatest(joining, 1) > _greatest(fastest, 1) * (1 + TIE):
+                self.log.append((self.time, "recovery too fast"))
+                return False
         velocity = self.stretch.at(self.time).velocity
         for order, kind in ((1, "speed"), (2, "acceleration")):
-            greatest = max(abs(extremum.value) for extremum in joining.law.curve.extrema(order))
+            greatest = _greatest(joining, order)
             limit = self._limit(kind)
             if limit is not None and greatest * abs(velocity) ** order > limit:
                 self.log.append((self.time, "recovery refused"))
@@ -384,6 +405,7 @@ class FollowerRun(MasterCrossings, EventRun):
         assert phase
         assert phase.meeting is not None
         self.cycle += 1
+        self.last_meeting = phase.meeting
         if values.fault:
             self._alarm(values.fault)
             return
@@ -500,6 +522,7 @@ class FollowerRun(MasterCrossings, EventRun):
         goal, aimed_at = self.phase, self.aimed_at
         assert goal
         self.aimed_at, self.moves, self.timed_end = None, [], mp.inf
+        self.last_meeting = goal.sync_exit.meeting if goal.sync_exit else -mp.inf
         if goal.state == WAITING:
             self._rest_at_park(goal)
         else:
@@ -582,7 +605,7 @@ class FollowerRun(MasterCrossings, EventRun):
                 return
             phase = self.phase
             assert phase
-            self.phase = replace(phase, meeting=self.pending - phase.values.shift)
+            self.phase = replace(phase, meeting=None if self.pending is None else self.pending - phase.values.shift)
             self._note()
 
     def _end_synchronism(self) -> None:
@@ -597,3 +620,9 @@ class FollowerRun(MasterCrossings, EventRun):
         elif isinstance(self.law, Standstill):
             self.error_id, self.state = 0, IDLE
             self._note("reset")
+
+
+def _greatest(phase: Phase, order: int) -> Number:
+    """The greatest magnitude of a derivative over the master, anywhere in the phase."""
+    assert isinstance(phase.law, Cam)
+    return max(abs(extremum.value) for extremum in phase.law.curve.extrema(order))

@@ -308,7 +308,7 @@ def onward_from(sync_exit: SyncExit, base: Number, to_park: bool) -> Phase | Non
 def parked(phase: Phase) -> Phase:
     """After homing, waiting for the meeting that the way was paced for."""
     rest = at_park(phase.values, phase.base + phase.values.park, phase.base, phase.reduced)
-    return replace(rest, meeting=phase.meeting, ramp=phase.ramp)
+    return replace(rest, meeting=phase.meeting, ramp=phase.ramp, sync_exit=phase.sync_exit)
 
 
 def nearest_turn(distance: Number, cycle: Number) -> Number:

@@ -10,7 +10,7 @@ from ..master import MasterInput, PathRefusal
 from ..motion import Motion
 from ..slave import Edge
 from .cycle_sequence import CycleSequence
-from .faults import Fault, Refusal
+from .faults import DropReason, Fault, Refusal
 from .interface import FollowerInterface
 from .monitoring import exceeded_limit_fault
 from .parameters import is_start_computable, parameter_fault
@@ -74,6 +74,7 @@ class Follower(FollowerInterface):
             return Refusal.CYCLES if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         if not self.is_on_cam() and self.sequence.current.stage != Stage.TO_CYCLE:
             self.master.watch_travel()
+        self.local.drop_reason = DropReason.NONE
         self.travel(0)
         self.sequence.current.record_input(self.master.begin)
         self.obey()

@@ -30,6 +30,8 @@ class CycleState:
     undisturbed master travel of a linear slave's way home. `cycle_length` and `wait` are C and space_wait_in_park as
     read for this cycle.
 
+    `last_meeting` is that of the last synchronized phase since a positioning; -FAR: there was none.
+
     `backward_tolerance`: how far the master may be behind its highest position since the slave has left the park.
     `highest_input` is that position from the inputs alone, `highest_in_step` includes the path inside the present
     step: a prediction that was too high is corrected by the next input, which is no backward travel. `highest` includes
@@ -52,6 +54,7 @@ class CycleState:
     return_travel: float = 0.0
     cycle_length: float = 0.0
     wait: float = 0.0
+    last_meeting: float = -FAR
     backward_tolerance: float = 0.0
     highest: float = 0.0
     highest_input: float = 0.0
@@ -154,6 +157,7 @@ class CycleState:
         self.park = park
         self.has_meeting = False
         self.is_approach_shortened = False
+        self.last_meeting = -FAR
 
     def start_approach(self) -> None:
         """From the park to (Q, sync_slave) with d1 = k: a simple jerk ramp; a shorter approach is a quintic."""
@@ -265,6 +269,7 @@ class CycleState:
 
     def retarget(self, parameters: FollowerInterface, meeting: float, has_meeting: bool, approach: float) -> None:
         """The next meeting replaces this one."""
+        self.last_meeting = self.meeting
         self.set_meeting(parameters, meeting, approach)
         self.has_meeting = has_meeting
         self.is_approach_shortened = False
@@ -332,6 +337,7 @@ class CycleState:
         """The master's positions are from now on smaller by `dropped`."""
         self.cam_section.shift(dropped)
         self.meeting -= dropped
+        self.last_meeting -= dropped
         self.highest -= dropped
         self.highest_input -= dropped
         self.highest_in_step -= dropped

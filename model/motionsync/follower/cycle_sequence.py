@@ -7,10 +7,10 @@ from ..grid import floor
 from ..quintic_peaks import QuinticPeaks
 from .cam_section import FAR
 from .cycle import CycleState
-from .faults import Fault
+from .faults import DropReason, Fault
 from .interface import FollowerInterface
 from .meetings import Meetings, lead
-from .monitoring import keeps_limits
+from .monitoring import LIMIT_TOLERANCE, keeps_limits
 from .parameters import POSITION_TOLERANCE, parameter_fault, ramp_travel, steady_approach_travel, wait_travel
 from .stages import Stage
 
@@ -97,7 +97,7 @@ class CycleSequence:
     def try_choose_value(self, parameters: FollowerInterface, section: int, master: float) -> bool:
         """Variable cycle: choose the new value, unless its start is behind the master."""
         self.current.has_meeting = False
-        if not self.meetings.has_new_value:
+        if not self.meetings.has_new_value or self.try_drop_value(parameters):
             return False
         approach = self.approach_travel(parameters)
         meeting = self.meetings.new_meeting(parameters)
@@ -105,6 +105,8 @@ class CycleSequence:
             self.current.set_meeting(parameters, meeting, approach)
             return False
         if not self.try_join(parameters, master, parameters.master.path.crossing_time(section, master)):
+            if parameters.local.drop_reason == DropReason.NONE:
+                parameters.local.drop_reason = DropReason.MISSED
             self.meetings.has_new_value = False
             self.try_miss_start(parameters, master, meeting + parameters.master_cycle - approach)
             self.current.earliest_next_meeting = -FAR
@@ -138,9 +140,20 @@ class CycleSequence:
 
     # --- late values ---
 
+    def try_drop_value(self, parameters: FollowerInterface) -> bool:
+        """Drop the new value if its meeting is less than a cycle after the one before, as one that comes in time is: on
+        the way there the slave would be faster than in a cycle of the least length."""
+        earliest = self.current.last_meeting + (1.0 - POSITION_TOLERANCE) * parameters.master_cycle
+        if self.meetings.new_meeting(parameters) >= earliest:
+            return False
+        self.meetings.has_new_value = False
+        parameters.local.drop_reason = DropReason.TOO_SOON
+        return True
+
     def try_join(self, parameters: FollowerInterface, master: float, time: float) -> bool:
-        """Join a meeting whose value comes too late, if the way keeps the limits at the master's velocity then."""
-        if not self.may_join(parameters):
+        """Join a meeting whose value comes too late, if the way is no faster than that to the earliest meeting, a cycle
+        after the one before, and if it keeps the limits at the master's velocity then."""
+        if not self.may_join(parameters) or self.try_drop_value(parameters):
             return False
         is_parked = self.current.is_parked()
         goes_back = parameters.master.is_measured()  # and the slave with it
@@ -150,14 +163,28 @@ class CycleSequence:
         is_in_time = is_parked and meeting - self.approach_travel(parameters) >= begin - tolerance
         if meeting <= begin + tolerance or is_in_time:
             return False
-        var.copy(self.candidate, self.current)
-        self.candidate.join(parameters, begin, meeting)
-        self.peaks.measure(self.candidate.cam_section.quintic)
+        fastest = FAR
+        earliest = self.current.last_meeting + parameters.master_cycle
+        if begin + tolerance < earliest < meeting - tolerance:
+            self.plan_way(parameters, begin, earliest)
+            fastest = self.peaks.d1
+        self.plan_way(parameters, begin, meeting)
+        if self.peaks.d1 > fastest * LIMIT_TOLERANCE:
+            parameters.local.drop_reason = DropReason.TOO_FAST
+            return False
         if not keeps_limits(parameters, self.peaks, abs(parameters.master.velocity_at(time))):
+            parameters.local.drop_reason = DropReason.LIMITS
             return False
         var.copy(self.current, self.candidate)
         self.meetings.use_new_value()
         return True
+
+    def plan_way(self, parameters: FollowerInterface, master: float, meeting: float) -> None:
+        """`candidate` becomes the way to a meeting from where the slave is with the master at that position; `peaks`
+        are those of the way."""
+        var.copy(self.candidate, self.current)
+        self.candidate.join(parameters, master, meeting)
+        self.peaks.measure(self.candidate.cam_section.quintic)
 
     def may_join(self, parameters: FollowerInterface) -> bool:
         """Whether there is a new value, and a cyclic slave that does not park and may join its meeting late."""
@@ -194,5 +221,7 @@ class CycleSequence:
             if self.current.stage in (Stage.FOLLOWING, Stage.SLOWING):
                 self.meetings.use_new_value()
             return Fault.NONE
+        if self.meetings.has_new_value:
+            parameters.local.drop_reason = DropReason.TOO_SHORT if is_later else DropReason.TOO_SOON
         self.meetings.has_new_value = False
         return self.current.try_leave(parameters, assumed, False, True)

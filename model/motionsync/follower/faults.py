@@ -56,6 +56,40 @@ class Fault(Enumeration):
     ACCELERATION_POSITIONING = 16, "stopped: max_acceleration exceeded in M_POSITIONING", *ACCELERATION
 
 
+class DropReason(Enumeration):
+    """Why the slave does not go to the meeting of a value of sync_master"""
+
+    NONE = 0, "no value was dropped"
+    TOO_SOON = (
+        1,
+        "sync_master is not met: its meeting is less than master_cycle after the one before; the slave goes to its "
+        "park",
+        *("sync_master", "master_cycle"),
+    )
+    TOO_SHORT = (
+        2,
+        "sync_master is not met: the master's travel up to its meeting is too short for the slave's cycle; the slave "
+        "goes to its park",
+        *("sync_master", "space_wait_in_park"),
+    )
+    LIMITS = (
+        3,
+        "sync_master is not joined late: max_speed or max_acceleration would be exceeded; the slave goes to its park",
+        *("sync_master", "master.velocity", "max_speed", "max_acceleration"),
+    )
+    MISSED = (
+        4,
+        "sync_master is not met: at the park, the start of the way to its meeting is behind the master",
+        *("sync_master", "master.position"),
+    )
+    TOO_FAST = (
+        5,
+        "sync_master is not joined late: the slave would be faster than to a meeting one master_cycle after the one "
+        "before; it goes to its park",
+        *("sync_master", "master_cycle"),
+    )
+
+
 class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 

@@ -6,8 +6,8 @@ from .. import var
 from ..computable_range import LARGEST, is_usable
 from ..master import Master
 from ..slave import Slave
-from ..var import Enumeration, Role, Unit
-from .faults import Fault
+from ..var import Enumeration, Report, Role, Unit
+from .faults import DropReason, Fault
 
 LEAST_LENGTH = 1e-9  # M or S: the least length of a phase's law
 
@@ -65,6 +65,12 @@ class Local:
     )
     following_travel: float = var.snapshot(0.0, "master travel of the way to that meeting; 0: none", Unit.POSITION)
     progress: float = var.local(0.0, "share of the present phase that is done", min=0.0, max=1.0)
+    drop_reason: int = var.local(
+        0,
+        "why a value of sync_master was dropped, or not joined late, in the last step; 0: none was",
+        codes=DropReason,
+        report=Report.STEPS,
+    )
 
 
 @dataclass(slots=True)
@@ -153,7 +159,9 @@ class FollowerInterface:
     )
     stop_in_park: bool = var.parameter(True, "a cyclic slave rests at the park in each cycle (command bit 20)")
     recover_late_sync: bool = var.parameter(
-        False, "a sync_master set too late is met by joining the running motion, if limits allow it (command bit 21)"
+        False,
+        "a sync_master set too late is met by joining the running motion, if that is no faster than in a cycle of "
+        "master_cycle, and limits allow it (command bit 21)",
     )
     max_speed: float = var.parameter(
         0.0,

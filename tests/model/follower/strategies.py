@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.follower.block import Follower
-from motionsync.follower.faults import Fault
+from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
@@ -62,6 +62,8 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     }
     names = ("align_center", "stop_in_park", "recover_late_sync", "check_speed", "check_acceleration")
     start |= {name: draw(st.booleans()) for name in (*names, *EDGES, *LEVELS)}
+    if cyclic and variable and draw(st.booleans()):
+        start |= {"stop_in_park": False, "recover_late_sync": True}
     chances = [draw(st.sampled_from(choice)) for choice in ((0.0, 0.0, 0.02), (0.01, 0.05, 0.2), (0.0, 0.0, 0.02))]
     return BlockRun(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, steps, *chances)))
 
@@ -148,6 +150,7 @@ def watch(block: Follower) -> set[Any]:
         ("fault", block.error_id),
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
+        ("drop reason", block.local.drop_reason),
         ("shortened approach", block.sequence.current.is_approach_shortened),
     }
 
@@ -173,6 +176,7 @@ STRATEGY = Strategy(
             *(("cyclic", False, state) for state in State),
             *(("cyclic", True, state) for state in State if state != State.M_DECEL),
             *(("variable", variable, state) for variable in (False, True) for state in State),
+            *(("drop reason", reason) for reason in DropReason if reason != DropReason.TOO_SHORT),
             *(("shortened approach", is_shortened) for is_shortened in (False, True)),
         }
     ),

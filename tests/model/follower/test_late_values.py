@@ -5,29 +5,31 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from motionsync.follower.cam_section import CamSection
-from motionsync.follower.faults import Fault
+from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.quintic_peaks import QuinticPeaks
-from tests.model.follower.harness import RECOVERING, near, parked, quintic
+from tests.model.follower.harness import RECOVERING, FollowerHarness, near, parked, quintic
 
 
 def test_a_late_value_is_met_from_the_way_home() -> None:
-    """Home from 1200 to 1450; at 1300 the slave is at s, s', s'' of that quintic and has 300 to the meeting."""
-    follower = parked(**RECOVERING).to(1300.0)
+    """Home from 1200 to 1450; at 1300 the slave is at s, s', s'' of that quintic and has 350 to the meeting."""
+    follower = parked(**RECOVERING, master_cycle=650.0).to(1300.0)
     before = follower.slave
-    follower.set({"sync_master": 1600.0}).run(2.0**-20)
+    follower.set({"sync_master": 1650.0}).run(2.0**-20)
     assert (follower.state, follower.slave) == (State.M_FOLLOWING, near(*before, tolerance=1e-4))
-    assert follower.missing == near(0.0, 300.0, 500.0, tolerance=1e-5)
+    assert follower.missing == near(0.0, 350.0, 550.0, tolerance=1e-5)
     section = CamSection()
     section.set_quintic(0.0, 250.0, 250.0, 300.0, 1.0, 0.0, 400.0, 0.0)
     s, d1, d2, _ = section.at(100.0)
-    u, t = 0.5, 300.0
+    u, t = 0.5, 350.0
     h = 0.5 * u * u * (1.0 - u) ** 3  # Hermite's function of the second derivative
-    expected = quintic(t, s, d1, 500.0, 1.0, 150.0) + d2 * t * t * h
-    assert follower.to(1450.0).position == near(expected % 400.0)
-    assert follower.to(1700.0).slave == near(200.0, 100.0, 0.0)
+    expected = quintic(t, s, d1, 500.0, 1.0, 175.0) + d2 * t * t * h
+    assert follower.to(1475.0).position == near(expected % 400.0)
+    assert follower.to(1750.0).slave == near(200.0, 100.0, 0.0)
     assert follower["cycle"] == 1
 
 
@@ -70,18 +72,88 @@ def test_a_late_value_is_met_within_the_limits_only(limits: dict[str, Any], join
 
 
 def test_a_late_value_that_is_refused_on_the_way_home_is_saved_for_the_park() -> None:
-    follower = parked(**RECOVERING).to(1300.0).set({"sync_master": 1700.0, "max_speed": 99.0}).run(0.01)
-    assert follower.state == State.M_HOMING
+    follower = parked(**RECOVERING, master_cycle=650.0).to(1300.0)
+    follower.set({"sync_master": 1700.0, "max_speed": 99.0}).run(0.01)
+    assert (follower.state, follower["local.drop_reason"]) == (State.M_HOMING, DropReason.LIMITS)
     follower.set({"max_speed": 0.0})
     assert follower.to(1600.0).position == near(18.75)
+
+
+@settings(deadline=None, derandomize=True, max_examples=80)
+@given(
+    st.floats(0.3, 3.0),
+    st.floats(0.3, 3.0),
+    st.floats(0.3, 3.0),
+    st.sampled_from([1.0, 0.25, 3.0]),
+    st.floats(0.4, 2.2),
+    st.floats(0.02, 0.98),
+    st.floats(0.002, 0.9) | st.just(0.0),
+    st.booleans(),
+)
+def test_what_is_valid_in_time_is_valid_late(
+    to_sync: float,
+    to_out: float,
+    onwards: float,
+    ratio: float,
+    tightness: float,
+    place: float,
+    shift: float,
+    is_later: bool,
+) -> None:
+    """A value whose meeting is `master_cycle` after the one before, or later, is met, whether it comes in the
+    synchronized phase or on the way home; an earlier one is not. A late value is joined if the slave is then no faster
+    than on the way to the earliest meeting; else it is met from the park. `tightness`: the slave's travel home and to
+    the meeting over the master's that a cycle leaves."""
+    available = (to_sync + onwards) / ratio / tightness
+    cycle = available + to_out / ratio
+    meeting = 2.0 * cycle * (1.0 if is_later else 1.0 - 0.5 * shift) + (shift * cycle if is_later else 0.0)
+    is_valid = is_later or shift == 0.0
+    values = {
+        **RECOVERING,
+        "slave_cycle": to_sync + to_out + onwards,
+        "sync_slave": to_sync,
+        "sync_out": to_sync + to_out,
+        "k_slave_master": ratio,
+        "master_cycle": cycle,
+        "sync_master": cycle,
+    }
+    out = cycle + to_out / ratio
+    begin = parked(-2.0 * to_sync / ratio, cycle, **values).to(cycle + 0.5 * to_out / ratio)
+    in_time = begin.twin().set({"sync_master": meeting})
+    late = begin.twin().to(out + 1e-6 * cycle)
+    home = late.block.sequence.current.cam_section.end
+    late.to(out + place * (home - out))
+    assume(late.master_position < meeting - 1e-3 * cycle)
+    earliest = late.twin().set({"sync_master": 2.0 * cycle})
+    late.set({"sync_master": meeting}).run(1e-9)
+    reason = late["local.drop_reason"]
+    is_joined = late.state == State.M_FOLLOWING
+    assert reason in ((DropReason.NONE, DropReason.TOO_FAST) if is_valid else (DropReason.TOO_SOON,))
+    assert is_joined == (reason == DropReason.NONE)
+    if is_joined:
+        fastest = greatest_speed(earliest, 2.0 * cycle)
+        assert greatest_speed(late.twin(), meeting) <= fastest * (1.0 + 1e-4)
+    for follower in (in_time, late):
+        follower.to(max(meeting, 2.0 * cycle) + 0.25 * to_out / ratio)
+        assert (follower.state == State.M_SYNCHRONIZED) == is_valid
+        assert follower["cycle"] == 1
+
+
+def greatest_speed(follower: FollowerHarness, until: float) -> float:
+    """Up to a position of the master."""
+    begin, speeds = follower.master_position, [abs(follower.slave[1])]
+    for i in range(200):
+        speeds.append(abs(follower.to(begin + (i + 1) / 200.0 * (until - begin)).slave[1]))
+    return max(speeds)
 
 
 @pytest.mark.parametrize(
     "values", [{"recover_late_sync": False}, {"stop_in_park": True}, {"slave_cycle": 0.0}, {"sync_master": 1290.0}]
 )
 def test_nothing_else_is_joined(values: dict[str, Any]) -> None:
-    late = {"sync_master": values.pop("sync_master", 1600.0)}
-    follower = parked(**{**RECOVERING, **values}).to(1300.0)
+    late = {"sync_master": values.pop("sync_master", 1650.0)}
+    cycle = 850.0 if values.get("slave_cycle") == 0.0 else 650.0
+    follower = parked(**{**RECOVERING, "master_cycle": cycle, **values}).to(1300.0)
     before = follower.state
     assert follower.set(late).to(1400.0).state == (State.M_HOMING if before == State.M_DECEL else before)
 

@@ -19,7 +19,7 @@ repeatable = settings(deadline=None, derandomize=True, max_examples=60)
 
 @st.composite
 def machines(draw: st.DrawFn) -> dict[str, Any]:
-    """A cycle of 850 L and more, a wait that it has room for, and a meeting anywhere."""
+    """A cycle of 850 L and more, a wait for which the cycle is long enough, and a meeting anywhere."""
     scale = draw(st.sampled_from([1.0, 0.01, 5.0]))
     cycle = scale * draw(st.floats(850.0, 3000.0))
     return {

@@ -152,11 +152,10 @@ def test_a_value_in_decel_is_saved_for_park() -> None:
     assert to_go(at(given, 8.0)) == [close(700.0), close(900.0), close(1100.0)]
 
 
-def test_a_value_in_homing_that_is_late_at_park_is_missed() -> None:
-    """1450 would have started at 1250; next cycle until 1450 + 1000 - 200."""
+def test_a_value_in_homing_that_is_less_than_a_cycle_ahead_is_lost_at_park() -> None:
     given = steady({"at": 10.0, "sync_master": 1450.0}, **VARIABLE)
-    assert named(given, "start missed") == [close(13.0)]
-    assert [at(given, t)["state"] for t in (13.5, 22.4, 22.6)] == [NEXT_CYCLE, NEXT_CYCLE, WAITING]
+    assert named(given, "value too soon") == [close(13.0)]
+    assert [at(given, t)["state"] for t in (13.5, 22.4, 22.6)] == [WAITING, WAITING, WAITING]
 
 
 def test_values_at_park() -> None:
@@ -185,8 +184,8 @@ def test_a_period_gives_the_first_occurrence_ahead() -> None:
     """Period 1500: at 1600 the value 300 is 1800; 2000 at the start is 500, the master being at 0."""
     given = steady({"at": 6.0, "sync_master": 300.0}, sync_master=2000.0, master__period=1500.0, **VARIABLE)
     assert named(given, "synchronized") == [close(5.0), close(18.0)]
-    late = steady({"at": 13.5, "sync_master": 1350.0 - 1500.0}, master__period=1500.0, **VARIABLE)
-    assert named(late, "start missed") == [close(13.5)]
+    late = steady({"at": 15.5, "sync_master": 1550.0 - 1500.0}, master__period=1500.0, **VARIABLE)
+    assert named(late, "start missed") == [close(15.5)]
 
 
 def test_a_cyclic_slave_without_stop_and_without_a_value() -> None:
@@ -203,47 +202,53 @@ def test_a_cyclic_slave_without_stop_and_without_a_value() -> None:
 
 
 def test_recovery_in_homing() -> None:
-    """At 800, u = 0.4 of 250: 379.264, slope 0.4752, curvature -0.006912. To (500, 1, 0) at 1100; the middle of a
+    """At 800, u = 0.4 of 250: 379.264, slope 0.4752, curvature -0.006912. To (500, 1, 0) at 1150; the middle of a
     quintic is at (s0 + s1)/2 + 5M/32·(s0' - s1') + M²/64·(s0'' + s1'')."""
-    given = steady({"at": 8.0, "sync_master": 1100.0}, **RECOVER)
+    given = steady({"at": 8.0, "sync_master": 1150.0}, master_cycle=650.0, **RECOVER)
     before, after = at(given, 8.0), at(given, 8.0 + 1e-7)
     assert motion(before) == (close(379.264), close(47.52), close(-69.12))
     assert (before["state"], after["state"]) == (HOMING, FOLLOWING)
     assert motion(after) == tuple(pytest.approx(x, rel=1e-5) for x in motion(before))
-    middle = (379.264 + 500) / 2 + 5 * 300 / 32 * (0.4752 - 1) + 300**2 / 64 * -0.006912
-    assert shown(given, 9.5) == (FOLLOWING, close(middle - 400))
-    assert motion(reference(given, [11.0])[0]) == (close(100.0), close(100.0), close(0.0))
-    assert named(given, "decel", "synchronized")[1] == close(11.0)
-    assert to_go(at(given, 9.0)) == [0.0, close(200.0), close(400.0)]
+    middle = (379.264 + 500) / 2 + 5 * 350 / 32 * (0.4752 - 1) + 350**2 / 64 * -0.006912
+    assert shown(given, 9.75) == (FOLLOWING, close(middle))
+    assert motion(reference(given, [11.5])[0]) == (close(100.0), close(100.0), close(0.0))
+    assert named(given, "decel", "synchronized")[1] == close(11.5)
+    assert to_go(at(given, 9.0)) == [0.0, close(250.0), close(450.0)]
+
+
+@pytest.mark.parametrize("set_at", [6.0, 7.5, 9.0, 9.6, 10.8])
+@pytest.mark.parametrize(("meeting", "is_met"), [(1150.0, True), (1149.0, False), (900.0, False)])
+def test_a_value_counts_late_if_it_counts_in_time(meeting: float, is_met: bool, set_at: float) -> None:
+    """In M_SYNCHRONIZED, twice in M_HOMING, and at park; the meeting before is at 500, C is 650."""
+    given = steady({"at": set_at, "sync_master": meeting}, master_cycle=650.0, **RECOVER)
+    assert named(given, "synchronized")[1:] == ([close(meeting / 100)] if is_met else [])
 
 
 @pytest.mark.parametrize("checked", [True, False])
 def test_recovery_keeps_the_limits(checked: bool) -> None:
-    """To 900: 120.736 over 100 is faster than 110; refused it is held, and late at park: until 900 + 800."""
-    given = steady({"at": 8.0, "sync_master": 900.0}, max_speed=110.0, check_speed=checked, **RECOVER)
-    if checked:
-        assert named(given, "recovery refused") == [close(8.0)]
-        assert named(given, "start missed", "waiting") == [close(9.5), close(17.0)]
-        assert at(given, 9.6)["state"] == NEXT_CYCLE
-    else:
-        assert named(given, "synchronized")[1] == close(9.0)
+    """Its slope goes up to 1; refused it is held, and is in time at park."""
+    limit, none = {"at": 8.9, "max_speed": 50.0}, {"at": 9.2, "max_speed": 0.0}
+    value = {"at": 9.0, "sync_master": 1250.0}
+    given = steady(limit, value, none, master_cycle=650.0, check_speed=checked, **RECOVER)
+    assert named(given, "recovery refused") == ([close(9.0)] if checked else [])
+    assert named(given, "following")[1] == close(10.5 if checked else 9.0)
 
 
 def test_recovery_and_the_acceleration() -> None:
     """From rest over 150: the limit is that of the quintic, found here by sampling."""
     value = {"at": 10.0, "sync_master": 1150.0}
-    free = steady(value, **RECOVER)
+    free = steady(value, master_cycle=650.0, **RECOVER)
     assert named(free, "recovered") == [close(10.0)]
     assert shown(free, 10.75) == (FOLLOWING, 26.5625)
     greatest = max(abs(at(free, 10.0 + i / 64)["slave.acceleration"]) for i in range(97))
     for limit, count in ((greatest * 1.01, 1), (greatest * 0.99, 0)):
-        given = steady(value, {"at": 9.9, "max_acceleration": limit}, **RECOVER)
+        given = steady(value, {"at": 9.9, "max_acceleration": limit}, master_cycle=650.0, **RECOVER)
         assert len(named(given, "recovered")) == count
 
 
 def test_recovery_at_park_only_where_the_start_is_late() -> None:
-    given = steady({"at": 10.0, "sync_master": 1250.0}, **RECOVER)
+    given = steady({"at": 10.0, "sync_master": 1250.0}, master_cycle=650.0, **RECOVER)
     assert named(given, "recovered") == []
     assert named(given, "following")[1] == close(10.5)
-    passed = steady({"at": 10.0, "sync_master": 1000.0}, **RECOVER)
-    assert (named(passed, "recovered"), named(passed, "start missed")) == ([], [close(10.0)])
+    passed = steady({"at": 12.0, "sync_master": 1200.0}, master_cycle=650.0, **RECOVER)
+    assert (named(passed, "recovered"), named(passed, "start missed")) == ([], [close(12.0)])

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from motionsync.follower.block import Follower
-from motionsync.follower.faults import Fault
+from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from tests.model.follower import strategies as drive_follower
@@ -302,12 +302,15 @@ def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machin
     end = (2.0 + 1e-6) * machine.cycle + machine.to_out / machine.ratio  # just after the synchronized phase
     follower.to(end)
     travel = follower.block.sequence.current.cam_section.end - end
-    follower.to(end + travel * (rng.uniform(0.05, 0.95) if home else 1.1))
+    follower.to(end + travel * rng.uniform(0.05, 0.95) if home else 3.0 * machine.cycle)
     assert follower.state == (State.M_HOMING if home else State.M_WAITING)
     before = follower.twin()
-    meeting = follower.master_position + rng.uniform(0.1, 0.95) * follower.block.sequence.current.approach_travel
+    meeting = (3.0 + rng.uniform(0.0, 0.5)) * machine.cycle
+    if not home:
+        meeting = follower.master_position + rng.uniform(0.1, 0.95) * follower.block.sequence.current.approach_travel
     follower.set({"sync_master": meeting})
     rows = [(0.0, before.read(MOTION)), (TICK, follower.run(TICK).read(MOTION))]
+    assume(follower["local.drop_reason"] != DropReason.TOO_FAST)
     assert follower.state == State.M_FOLLOWING
     h = TICK
     change = abs(rows[1][1]["slave.velocity"] - rows[0][1]["slave.velocity"])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from motionsync.follower.faults import DropReason
 from motionsync.follower.interface import State
 from tests.model.follower.harness import PASSING, VARIABLE, near, parked, quintic
 
@@ -42,9 +43,8 @@ def test_a_value_set_on_the_way_home_is_used_at_the_park_if_it_is_not_too_late(m
     if used:
         assert follower.to(meeting + 50.0).position == near(150.0)
     else:
-        assert follower.to(1801.0).state == State.M_WAITING_NEXT_CYCLE
-        assert follower.to(meeting + 799.0).state in (State.M_WAITING_NEXT_CYCLE, State.M_WAITING)
-        assert follower.to(meeting + 1801.0).state == State.M_WAITING  # from meeting + C - M_f on
+        assert (follower.to(1801.0).state, follower["local.drop_reason"]) == (State.M_WAITING, DropReason.TOO_SOON)
+        assert (follower.to(5000.0).state, follower["cycle"]) == (State.M_WAITING, 1)
 
 
 def test_a_value_at_the_park() -> None:

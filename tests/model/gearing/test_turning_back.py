@@ -69,8 +69,8 @@ def test_against_its_direction_a_master_that_steps_exactly_onto_triggers_starts_
     steps: int,
     distance: float,
 ) -> None:
-    """The master goes against the direction in steps of `size`; after `steps` of them it is exactly at the trigger, half
-    the distance before the position; all numbers are dyadic."""
+    """The master goes against the direction in steps of `size`; after `steps` of them it is exactly at the trigger,
+    half the distance before the position; all numbers are dyadic."""
     half = 0.5 * distance * direction if transition == Transition.MASTER_BASED else 0.0
     position = -direction * size * steps + half
     gear = GearingHarness(speed=-direction * size / h, mode=mode)
@@ -94,7 +94,7 @@ def test_against_its_direction_a_master_that_steps_exactly_onto_triggers_starts_
 def test_a_correction_of_a_master_that_goes_against_the_direction_crosses_no_trigger(
     transition: Transition, beyond: float
 ) -> None:
-    """The prediction ends before the trigger at 40, or 50 without a transition; the master is behind it and still falls."""
+    """The prediction ends before the trigger at 40, or 50 without a transition; the master is behind it and falls."""
     trigger = 50.0 if transition == Transition.NONE else 40.0
     gear = waiting_for_reference(speed=-10.0, master_position=trigger + 10.0, transition=transition)
     gear.to(trigger - beyond)
