@@ -67,8 +67,8 @@ def ramp_errors(tau: float, h: float, delays: Reals, acceleration: float, at: fl
     def line(time: Reals) -> Reals:
         return np.asarray(300.0 * time + 0.5 * acceleration * np.clip(time - at, 0.0, None) ** 2)
 
-    found = path(line(t - delays[:, None]), h, tau, 300.0, delays)[:, :, 0]
-    error = found - line(t + h)
+    smoothed = path(line(t - delays[:, None]), h, tau, 300.0, delays)[:, :, 0]
+    error = smoothed - line(t + h)
     first = int(at / h)
     return np.asarray((error - error[:, first - 1 : first])[:, first:])
 
@@ -139,10 +139,10 @@ def rounding_left(counts: Reals, q: float, h: float, tau: float, delay: float) -
     velocity = counts * q / h
     settled = round(20.0 * tau / h)
     line = (counts * q)[:, None] * np.arange(settled + 4000) + 0.37 * q
-    found = path(np.round(line / q) * q, h, tau, velocity, delay)
-    errors = found[:, settled:, 0] - (line + (counts * q)[:, None])[:, settled:]
-    accelerations = found[:, settled:, 2]
-    sigmas = [errors.std(axis=1), found[:, settled:, 1].std(axis=1), accelerations.std(axis=1)]
+    smoothed = path(np.round(line / q) * q, h, tau, velocity, delay)
+    errors = smoothed[:, settled:, 0] - (line + (counts * q)[:, None])[:, settled:]
+    accelerations = smoothed[:, settled:, 2]
+    sigmas = [errors.std(axis=1), smoothed[:, settled:, 1].std(axis=1), accelerations.std(axis=1)]
     return np.array([*sigmas, np.abs(accelerations).max(axis=1)])
 
 
