@@ -3,7 +3,6 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready-native
-WIRABLE := $(READY) $(VENV)/ready-line
 TESTABLE := $(VENV)/ready-test
 ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EXIT;
 FLAGSHIP := CutToLength/cyclic_orders
@@ -16,7 +15,7 @@ BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
 
-line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and print the errors
+line: $(READY) ## wire a remote axis through RemoteSync into its followers, and print the errors
 	$(BIN)/motionsync line
 
 quick: $(TESTABLE) ## what the blocks do, without an FMU: half a minute
@@ -57,12 +56,13 @@ format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-references: $(TESTABLE) ## the cross-check files of all scenarios, or of B=flying_saw alone, from scripts and oracles
+references: $(TESTABLE) ## the references of all scenarios, or of B=flying_saw alone, from the oracles
 	@$(if $(filter-out $(BLOCKS),$(B)),echo "make references B=<block>: the blocks are $(BLOCKS)" >&2; exit 2,:)
 	$(BIN)/python -m tests.regenerate $(B)
 
 pictures: $(READY) ## the pictures of the README and of docs/
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
+	$(BIN)/python -m tools.first_picture docs
 	$(BIN)/python -m tools.shortest_length_picture docs
 	$(BIN)/python -m tools.measured_line_pictures docs
 

@@ -30,7 +30,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from cases import cases_of
+from cases import MEASURED, cases_of
 from cases.measured import VELOCITY, Cases, H, MovingAxis, Steady, Worst
 from cost import (
     OUTPUTS,
@@ -47,7 +47,6 @@ from cost import (
 from rich.console import Console
 from rich.table import Table
 
-from motionsync.blocks import BLOCKS
 from motionsync_fmu.fmus.fmu import build, build_python
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.fmus.zip import write_zip
@@ -371,7 +370,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--block", choices=BLOCKS, help="all of them, if none is named")
+    parser.add_argument("--block", choices=MEASURED, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help=f"steps a round; {IN_C} times that in C")
     parser.add_argument("--cold", action="store_true", help="also build with an empty zig cache")
     options = parser.parse_args()
@@ -380,7 +379,7 @@ def main() -> None:
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as root:
         program = compile_c(FOLDER / "host.c", Path(root) / "host")
-        for block in [options.block] if options.block else BLOCKS:
+        for block in [options.block] if options.block else MEASURED:
             console.rule(block)
             folder = Path(root) / block
             folder.mkdir()

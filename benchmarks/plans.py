@@ -319,7 +319,7 @@ def _beyond_limits(
     yield "check_overshoot_velocity", maximum > np.maximum(begin, end) + tolerance
     yield "check_undershoot_velocity", minimum < np.minimum(begin, end) - tolerance
     yield "check_overshoot_velocity_zero", high > tolerance
-    yield "check_undershoot_velocity_zero", (begin >= 0.0) & (minimum < -tolerance)
+    yield "check_undershoot_velocity_zero", minimum < -tolerance
     low, high = rows["jerk"]
     limit = _limit(requests, "jerk") * (1.0 + 2.0 * TOLERANCE)
     yield "check_max_jerk", (high > limit) | (low < -limit)

@@ -12,12 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cases import cases_of
+from cases import MEASURED, cases_of
 from cases.measured import VELOCITY, H, MovingAxis, Steady, counted
 from cost import cost_table, measure, start_case, through_fmpy, timed
 from rich.console import Console
 
-from motionsync.blocks import BLOCKS
 from motionsync_fmu.fmus.fmu import build_python
 from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
@@ -110,12 +109,12 @@ def report(block: str, n: int, folder: Path) -> Any:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--block", choices=BLOCKS, help="all of them, if none is named")
+    parser.add_argument("--block", choices=MEASURED, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help="steps a round")
     options = parser.parse_args()
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as folder:
-        for block in [options.block] if options.block else BLOCKS:
+        for block in [options.block] if options.block else MEASURED:
             console.print(report(block, options.steps, Path(folder)))
             console.print()
 

@@ -1,4 +1,4 @@
-"""Writes the cross-check files of every scenario and example: inputs from its script, the reference from the oracle.
+"""Writes the reference of every scenario and example, from the oracle.
 
 python -m tests.regenerate [FOLDER ...]
 """
@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.block_folder import block_file
-from motionsync_fmu.scenario.evaluate.reference_files import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.evaluate.reference_comparison import reference_file
+from motionsync_fmu.scenario.evaluate.reference_files import csv_text
 from motionsync_fmu.scenario.files import example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
@@ -58,9 +59,9 @@ def find_anew(_question: object, find: Callable[[], Any]) -> Any:
     return find()
 
 
-def files(scenario_file: Path, keep: Keep = find_anew) -> dict[Path, str]:
-    """The cross-check files that belong beside a scenario, with their text; the inputs of an example are made from it
-    where they are wanted. `keep` may know what the oracle finds."""
+def with_reference(scenario_file: Path, keep: Keep = find_anew) -> tuple[Scenario, str]:
+    """A scenario, with its reactions where the oracle finds them, and the text of its reference. `keep` may know what
+    the oracle finds."""
     scenario = load_scenario(scenario_file)
     name = scenario.recipe.name
     steps = round(scenario.stop_time / scenario.step_size)
@@ -79,14 +80,7 @@ def files(scenario_file: Path, keep: Keep = find_anew) -> dict[Path, str]:
             scenario = scenario.with_recorded_inputs(settings(script), master(scenario, script))
     if scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY:  # an estimate lags at jumps
         columns = ("time", "slave.position")
-    texts = {
-        f"{name}_in.csv": inputs_csv(scenario),
-        f"{name}_ref.csv": csv_text(columns, [[row[c] + 0.0 for c in columns] for row in rows]),
-        f"{name}_ref.opt": options_text(scenario),
-    }
-    if scenario_file.name == example.FILE:
-        del texts[f"{name}_in.csv"]
-    return {scenario_file.with_name(file): text for file, text in texts.items()}
+    return scenario, csv_text(columns, [[row[c] + 0.0 for c in columns] for row in rows])
 
 
 def examples(names: Iterable[str] = BLOCKS) -> list[Path]:
@@ -219,6 +213,6 @@ def smoothed(scenario: Scenario, times: Sequence[float], keep: Keep = find_anew)
 if __name__ == "__main__":
     blocks = [name for name in BLOCKS if not sys.argv[1:] or block_folder(name) in sys.argv[1:]]
     for scenario_file in [*(file for name in blocks for file in find_files(SCENARIOS / name)), *examples(blocks)]:
-        for file, text in files(scenario_file).items():
-            file.write_text(text)
+        scenario, text = with_reference(scenario_file)
+        reference_file(scenario).write_text(text)
         print(scenario_file.parent)

@@ -36,7 +36,6 @@ TOOL = {
     "api": {
         "batch",
         "explorer",
-        "export",
         "fmus",
         "interface",
         "pages",
@@ -49,7 +48,6 @@ TOOL = {
     "production_line": {"fmus", "interface", "pages", *SCENARIO},
     "sweeps": {"batch", "fmus", "interface", "pages", *SCENARIO},
     "plan": {"interface", "pages", *SCENARIO},
-    "export": {"fmus", "interface", "native", "pages", *SCENARIO},
     "fmus": {"compiler", "interface", "native", "pages", "scenario.files"},
     "pages": {"interface", "native", *SCENARIO},
     "batch": {"compiler", "interface", "native", *RUN},

@@ -5,7 +5,6 @@ from .api.describe import Description as Description
 from .api.describe import describe as describe
 from .api.error import error as error
 from .api.explore import explore as explore
-from .api.export_crosscheck import export_crosscheck as export_crosscheck
 from .api.line import line as line
 from .api.new import new as new
 from .api.plan_line import plan_line as plan_line

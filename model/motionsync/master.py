@@ -195,6 +195,12 @@ class Master:
         path = self.path
         return (path.origin - position) + time * (path.velocity + time * (path.c2 + time * path.c3))
 
+    def goes_against(self, direction: float, section: int, travel: float) -> bool:
+        """Whether the master goes against a direction, 1 or -1, on the rest of a section, which is `travel` u long.
+
+        The input correction is no motion: there it is enough that the velocity is against the direction."""
+        return direction * travel < 0.0 or (section == 0 and direction * self.begin_velocity < 0.0)
+
     def mean_acceleration(self) -> float:
         """The constant acceleration that leads from the velocity at the step's beginning to that at its end, u/s2.
 

@@ -22,7 +22,6 @@ CALLS = {  # each command, with arguments that are accepted
     "describe": ["Synchronizer"],
     "error": ["17118"],
     "explore": ["Synchronizer"],
-    "export-crosscheck": ["here", "Synchronizer"],
     "line": ["line/line.toml"],
     "list": [],
     "plan-line": [],
@@ -121,7 +120,7 @@ def test_a_command_has_the_parameters_of_its_function(command: str) -> None:
     }
     shown = {"as_json", "show", "no_report", "verbose"} | ({"output"} if command in ("plan-line", "run") else set())
     assert own - shown <= called
-    assert called - own <= {"progress", "notify", "report", "finished", "exported", "options", "page"}
+    assert called - own <= {"progress", "notify", "report", "finished", "options", "page"}
 
 
 @pytest.mark.slow

@@ -200,7 +200,7 @@ def test_an_integer_beyond_its_limits_is_a_failure_before_the_first_step() -> No
     assert result.failures == (
         Failure(1, -1, "periods_for_mean_drift = 0 is not allowed: it must be 1 to 64"),
         Failure(3, -1, "periods_for_mean_drift = 65 is not allowed: it must be 1 to 64"),
-        Failure(4, -1, "end_of_transition_limit = 0 is not allowed: it must be >= 1"),
+        Failure(4, -1, "end_of_transition_limit = 0 is not allowed: it must be 1 to 2147483647"),
     )
 
 

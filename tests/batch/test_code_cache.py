@@ -1,6 +1,7 @@
 """The cache of blocks' libraries between processes: a library is loaded if it is undamaged and was made of the present
 sources; else it is compiled anew."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -135,6 +136,71 @@ def test_a_damaged_library_is_not_loaded_but_made_anew(
     load_and_step(monkeypatch)
     assert compilations == ["Synchronizer"] * 2
     assert cached_file(cache).read_bytes() == contents
+
+
+UNIX = pytest.mark.skipif(sys.platform == "win32", reason="Windows gives a user's folders to the user alone")
+ROOT = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can give files away")
+
+
+@UNIX
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o755, 0o707])
+@pytest.mark.parametrize("depth", ["motionsync", "motionsync/blocks"])
+def test_the_cache_is_made_private(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, mode: int, depth: str
+) -> None:
+    folder = cache.parent / depth
+    folder.mkdir(parents=True)
+    folder.chmod(mode)
+    load_and_step(monkeypatch)
+    assert [(each.stat().st_mode & 0o777) for each in (cache, cache / "blocks")] == [0o700, 0o700]
+    assert cached_file(cache).stat().st_mode & 0o777 == 0o600
+
+
+@UNIX
+@pytest.mark.parametrize("mode", [0o622, 0o602, 0o620, 0o777])
+def test_a_library_that_others_could_write_is_not_loaded_but_made_anew(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, mode: int
+) -> None:
+    load_and_step(monkeypatch)
+    cached_file(cache).chmod(mode)
+    load_and_step(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+    load_and_step(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+
+
+@UNIX
+@ROOT
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_library_of_another_user_is_not_loaded(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, linked: bool
+) -> None:
+    load_and_step(monkeypatch)
+    file = cached_file(cache)
+    if linked:
+        other = cache.parent / "planted"
+        other.write_bytes(file.read_bytes())
+        file.unlink()
+        file.symlink_to(other)
+    os.chown(file, 12345, 12345, follow_symlinks=False)
+    load_and_step(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+    assert cached_file(cache).owner() == "root"
+
+
+@UNIX
+@ROOT
+@pytest.mark.parametrize("depth", ["motionsync", "motionsync/blocks"])
+def test_a_cache_of_another_user_is_not_used(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, depth: str
+) -> None:
+    folder = cache.parent / depth
+    folder.mkdir(parents=True)
+    os.chown(folder, 12345, 12345)
+    load_and_step(monkeypatch)
+    load_and_step(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+    assert list(folder.iterdir()) == []
 
 
 @pytest.mark.usefixtures("no_cache")

@@ -1,10 +1,13 @@
-"""Every block is measured in cases of its own, in which it does what they describe."""
+"""A block with cases is measured in them, and does in them what they describe."""
 
-from cases import cases_of
+import pytest
+from cases import MEASURED, cases_of
 from cases.measured import H
 from step_cost import LEAD, bare
 
 from motionsync_fmu.interface.recipe import Recipe
+
+pytestmark = pytest.mark.parametrize("block", MEASURED)
 
 
 def test_every_case_of_a_block_names_its_variables(block: str) -> None:

@@ -21,7 +21,7 @@ from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
-from tests.browser.conftest import Chosen, Open, OpenBlock
+from tests.browser.conftest import Chosen, Open, OpenBlock, ready
 from tests.browser.runs import record
 from tests.browser.scenes import assert_same_scene
 from tests.browser.visit import Visit, choose, contrast, settle
@@ -123,6 +123,23 @@ noise = 0.01
 """,
     "recorded": '[master]\nfile = "trace.csv"\n',
 }
+SAW = """\
+title = "A saw on a measured line"
+fmu = "FlyingSaw"
+stop_time = 2.5
+step_size = 0.001
+[start]
+"sync_mode.check_overshoot_velocity" = true
+"gear_in_pos.master_sync_position" = 1100.0
+"gear_in_pos.slave_sync_position" = 750.0
+[master]
+velocity = 437.7
+[encoder]
+resolution = 0.1
+[[set]]
+at = 0.2
+"gear_in_pos.execute" = true
+"""
 TRACE = "time,position\n7.0,29\n7.1,3.5\n7.33,28\n7.9,8.25\n8.1,9\n"
 
 
@@ -144,6 +161,20 @@ def test_a_measured_line_has_the_native_bits_in_the_browser(open_page: Open, fmu
     loaded = load_scenario(file)
     assert loaded.encoder == scenarios[0].encoder
     assert sum_of(loaded) == fingerprint
+
+
+def test_a_saw_on_a_measured_line_knows_the_resolution_in_the_browser(
+    open_page: Open, fmus: Fmus, tmp_path: Path
+) -> None:
+    """Without it the command would be refused: the acceleration of the encoder would make the saw overshoot."""
+    file, page = tmp_path / "saw.toml", tmp_path / "FlyingSaw.html"
+    file.write_text(SAW)
+    scenario = load_scenario(file)
+    write_page("FlyingSaw", [scenario], fmus.native("FlyingSaw"), page)
+    visit = open_page(page)
+    visit.page.wait_for_selector("html[data-ready]")
+    run = "motionsyncExplore.fingerprint(motionsyncExplore.run('saw'))"
+    assert visit.page.evaluate(f"async () => await {run}") == sum_of(shown(scenario))
 
 
 def test_the_badge_compares_what_is_shown(chosen: Chosen, fmus: Fmus) -> None:
@@ -1044,3 +1075,68 @@ def test_texts_stand_out_from_their_ground(open_block: OpenBlock, scheme: str) -
     for selector in seen:
         assert contrast(visit.colours(selector)[0], ground) >= 4.5, selector
     assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
+
+
+RAMP = """\
+title = "A line that ramps up, runs, and stops"
+fmu = "CutToLength"
+stop_time = 5.0
+step_size = 0.01
+[start]
+"axis.max_position" = 2000.0
+length = 900.0
+[master]
+segments = [{segments}]
+[[set]]
+at = 0.1
+start = true
+"""
+RAMPS = {  # segments; when the first ramp ends, and with which velocity, by hand; when the line stops
+    "at_once": (
+        "{duration = 1.0, acceleration = 400.0}, {duration = 2.0}, {duration = 2.0, acceleration = -200.0}",
+        1.0,
+        400.0,
+    ),
+    "after_a_while": ("{duration = 0.5}, {duration = 2.5, acceleration = 100.0}, {duration = 2.0}", 3.0, 250.0),
+    "with_jerk": ("{duration = 1.0, jerk = 300.0}, {duration = 1.0, jerk = -300.0}, {duration = 1.0}", 2.0, 300.0),
+}
+
+
+def test_the_first_slider_of_a_line_that_ramps_is_the_velocity_to_which_it_ramps(
+    open_page: Open, fmus: Fmus, tmp_path: Path
+) -> None:
+    """Its ramps keep their times, so a line that stops still stops; a line that starts with a velocity has that."""
+    for name, (segments, *_) in RAMPS.items():
+        (tmp_path / f"{name}.toml").write_text(RAMP.format(segments=segments))
+    page = tmp_path / "CutToLength.html"
+    write_page("CutToLength", [load_scenario(tmp_path / f"{n}.toml") for n in RAMPS], fmus.native("CutToLength"), page)
+    visit = ready(open_page(page))
+    for (name, (_, end, velocity)), chosen_velocity in zip(RAMPS.items(), (700.0, 130.0, 210.0), strict=True):
+        choose(visit, name)
+        row = visit.page.locator("#groups .knob").first
+        assert row.inner_text().split() == ["master.velocity", "from", f"{end:g}", "s", "on", "mm/s"]
+        assert float(row.locator("input[type=number]").input_value()) == velocity
+        slide(visit, f"master.velocity from {end:g} s on", chosen_velocity)
+        (tmp_path / name).mkdir()
+        script = load_scenario(save_run(visit, tmp_path / name)[0]).master
+        original = load_scenario(tmp_path / f"{name}.toml").master
+        for t in (0.3, 0.9, end, 4.0, 5.0):
+            expected = original.at(t).velocity * chosen_velocity / velocity
+            assert script.at(t).velocity == pytest.approx(expected, abs=1e-9 * velocity)
+        assert script.at(end).velocity == pytest.approx(chosen_velocity)
+        if name == "at_once":
+            visit.page.get_by_text("Segments", exact=True).click()
+        fill(visit, "1: acceleration" if name == "at_once" else "velocity", "50")
+        shown_velocity = float(row.locator("input[type=number]").input_value())
+        assert shown_velocity == pytest.approx(50.0 if name == "at_once" else chosen_velocity + 50.0)
+        visit.page.get_by_role("button", name="As scenario.toml").click()
+
+
+def test_on_a_telephone_the_plots_are_right_below_the_machine(open_page: Open, fmus: Fmus, block: str) -> None:
+    """Between the two are only the values that are shown, the key and the buttons; what can be changed comes next."""
+    visit = ready(open_page(explored(fmus, block).file, width=390))
+    top = "e => e.getBoundingClientRect().top + scrollY"
+    machine, plots, knobs, log = (visit.page.locator(f"#{i}").evaluate(top) for i in ("stage", "plots", "knobs", "log"))
+    end = machine + visit.page.locator("#stage").evaluate("e => e.getBoundingClientRect().height")
+    assert machine < end < plots < knobs < log
+    assert plots - end < 360.0

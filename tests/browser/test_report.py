@@ -7,10 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motionsync_fmu.pages.report.page import write_report
+from motionsync_fmu.pages.results import evaluate_run
 from tests.browser.charts import ChartView
-from tests.browser.conftest import AtRest, OpenReport
+from tests.browser.conftest import AtRest, Open, OpenReport, drawn
 from tests.browser.runs import run
 from tests.browser.visit import Visit, contrast
+from tests.support.knife_runs import run_knife
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"
@@ -295,3 +298,21 @@ def test_no_text_of_a_real_machine_is_hidden(open_report: OpenReport, width: int
         chart = ChartView(visit, name)
         assert text in chart.texts
         assert chart.hidden_texts() == [], name
+
+
+@pytest.mark.parametrize(("count", "first"), [(1, 1), (20, 7), (125, 50), (500, 130)])
+def test_no_text_of_a_report_touches_another_one_however_many_pieces_there_are(
+    open_page: Open, tmp_path: Path, count: int, first: int
+) -> None:
+    scenario, recording = run_knife(tmp_path, count, first)
+    report = tmp_path / "report.html"
+    write_report(report, scenario, recording, evaluate_run(scenario, recording))
+    visit = drawn(open_page(report, width=1280))
+    for width in (1280, 390):
+        visit.page.set_viewport_size({"width": width, "height": 900})
+        visit.page.wait_for_function(FITTED)
+        visit.page.evaluate(DRAWN)
+        for label in visit.page.locator(".plot").evaluate_all("all => all.map(e => e.getAttribute('aria-label'))"):
+            assert ChartView(visit, label).hidden_texts() == [], (width, label)
+        motion = visit.page.locator(f".plot[aria-label^='{MOTION}'] .scatterlayer path.js-line")
+        assert motion.evaluate_all("all => all.filter(e => e.getAttribute('d')).length") >= 8

@@ -57,3 +57,49 @@ def test_the_first_page_moves_the_machine(windows: Windows, fmus: Fmus) -> None:
     assert visit.page.get_by_label("Run", exact=True).input_value() == "basic_cut"
     windows.leave(visit)
     assert visit.messages == []
+
+
+LONGEST_LINE = """() => {
+  const all = [...document.querySelectorAll('article :is(p, li)')].filter(e => !e.closest('.highlight, table'));
+  const longest = (e) => {
+    const range = document.createRange(), lines = new Map(), walk = document.createTreeWalker(e, NodeFilter.SHOW_TEXT);
+    for (let node; node = walk.nextNode();) {
+      for (let i = 0; i < node.length; i++) {
+        range.setStart(node, i);
+        range.setEnd(node, i + 1);
+        const box = range.getBoundingClientRect(), line = Math.round(box.bottom / 12);
+        if (box.width) lines.set(line, (lines.get(line) ?? 0) + 1);
+      }
+    }
+    return Math.max(0, ...lines.values());
+  };
+  return all.map(e => [longest(e), e.textContent.slice(0, 40)]);
+}"""
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_first_page_says_who_it_is_for_and_has_the_machine_and_three_ways_on(
+    windows: Windows, fmus: Fmus, width: int
+) -> None:
+    """All that before anything is scrolled on a wide screen; no line of text is longer than 75 characters."""
+    site = made_site(fmus)
+    visit = windows.open(site.folder / "index.html", width)
+    page = visit.page
+    page.set_viewport_size({"width": width, "height": 900})
+    assert page.locator("h1 + p").first.inner_text().startswith("motionsync is for engineers who ")
+    picture = page.locator("img[src$='first_picture.svg']").bounding_box()
+    assert picture["y"] + picture["height"] < 900.0
+    assert picture["width"] > 0.9 * min(width, 560) - 30.0
+    ways = page.locator("article a.md-button")
+    assert ways.evaluate_all("all => all.map(e => e.getAttribute('href'))") == [
+        "#move-it-by-hand",
+        "tutorial/first_cut.html",
+        "how_to/wiring.html",
+    ]
+    boxes = [way.bounding_box() for way in ways.all()]
+    assert all(box["y"] + box["height"] < (900.0 if width > 1000 else 1000.0) for box in boxes)
+    lengths = page.evaluate(LONGEST_LINE)
+    assert max(lengths)[0] <= 75, max(lengths)
+    assert max(lengths)[0] > (60 if width > 1000 else 30)
+    windows.leave(visit)
+    assert visit.messages == []

@@ -1,5 +1,6 @@
 """`motionsync build`: its files, options and messages, and the sequence of several builds."""
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -323,3 +324,21 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
     outcome = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--output", "made")
     assert (outcome.status, outcome.out) == (2, "")
     assert "--sources: the python flavour has no C" in outcome.err
+
+
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+
+
+def test_an_fmu_of_fmi_2_has_terminals_where_they_are_asked_for(motionsync: Command, tmp_path: Path) -> None:
+    """The python flavour needs no compiler; both flavours get their documents from one function."""
+    built = tmp_path / "python" / "Gearing.fmu"
+    command = ("build", "Gearing", "--flavour", "python", "--output", str(tmp_path))
+    for options, expected in (((), False), (("--terminals",), True), (("--terminals",), True), ((), False)):
+        before = built.read_bytes() if built.exists() else b""
+        outcome = motionsync(*command, *options)
+        assert outcome.status == 0, outcome.err
+        with zipfile.ZipFile(built) as z:
+            assert (TERMINALS in z.namelist()) == expected
+            if expected:
+                assert b'name="slave"' in z.read(TERMINALS)
+        assert ("is up to date" in outcome.out) == (built.read_bytes() == before)

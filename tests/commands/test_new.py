@@ -34,6 +34,7 @@ WITHIN = {  # values of each figure, one by one, that the other ones of the temp
         "length": "350,1500,20000",
         "master.velocity": "100,2500",
         "knife.circumference": "400,900",
+        "knife.blades": "2,5",
         "axis.max_velocity": "1200,7200",
         "axis.max_acceleration": "30000,200000",
         "sync.before": "5,40",
@@ -120,6 +121,21 @@ def test_the_figures_of_a_machine_are_options(motionsync: Command) -> None:
     plan = SweepPlan.of(Path("tube/scenario.toml"), ["kerf=0"])
     (row,) = rows(plan, 0, 1).to_pylist()
     assert (row["passed"], row["cuts"]) == (True, 6)  # 40 m in a minute
+
+
+@pytest.mark.parametrize("blades", [2, 3, 6])
+def test_a_knife_has_as_many_blades_as_given(blades: int, motionsync: Command) -> None:
+    """With the circumference of so many pieces the cylinder turns evenly: a piece is cut each 0.6 s."""
+    circumference = str(600 * blades)
+    outcome = motionsync("new", "RotaryKnife", "mine", "--blades", str(blades), "--circumference", circumference)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert tomllib.loads(Path("mine/scenario.toml").read_text("utf-8"))["start"]["knife.blades"] == blades
+    (row,) = rows(SweepPlan.of(Path("mine/scenario.toml"), ["length=600"]), 0, 1).to_pylist()
+    assert row["passed"]
+    assert_one_line(motionsync("new", "RotaryKnife", "other", "--blades", "2.5"), "--blades 2.5", "whole number")
+    assert not Path("other").exists()
+    many = motionsync("new", "RotaryKnife", "other", "--blades", "65")
+    assert_one_line(many, "knife.blades", "65", "64")
 
 
 def test_figures_are_asked_for_at_a_terminal(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:

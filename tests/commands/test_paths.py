@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from motionsync_fmu.fmus.fmu import Flavour
+from motionsync_fmu.fmus.prebuilt import prepare_fmus
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.paths import replace_file, replace_files
 from tests.support.command_line import Command
 from tests.support.workshop import PYTHON
@@ -36,6 +39,25 @@ def test_in_a_folder_that_cannot_be_written_all_goes_to_the_cache(
     assert outcome.out.startswith(str(cache))
 
 
+@pytest.mark.parametrize("change", ["others may write it", "a link"])
+def test_an_fmu_in_the_cache_that_others_could_write_is_built_anew(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (fmu,) = prepare_fmus([Recipe("Synchronizer")], Flavour.PYTHON)
+    assert fmu.is_relative_to(cache)
+    assert [path.stat().st_mode & 0o777 for path in (cache, fmu.parent, fmu)] == [0o700, 0o700, 0o600]
+    if change == "a link":
+        fmu.replace(tmp_path / fmu.name)
+        fmu.symlink_to(tmp_path / fmu.name)
+    else:
+        fmu.chmod(0o666)
+    before = fmu.lstat().st_ino
+    prepare_fmus([Recipe("Synchronizer")], Flavour.PYTHON)
+    assert fmu.lstat().st_ino != before
+    assert fmu.lstat().st_mode & 0o777 == 0o600
+
+
 @pytest.fixture
 def full_disk() -> Iterator[None]:
     """No file may be larger than LIMIT: writing more fails as on a full disk, with an error that names no file."""
@@ -60,7 +82,7 @@ def test_a_file_that_cannot_be_written_is_named_and_nothing_of_it_left(full_disk
 def test_a_folder_that_cannot_be_written_is_named_and_nothing_of_it_left(full_disk: None, tmp_path: Path) -> None:
     folder = tmp_path / "results"
     with pytest.raises(OSError, match="File too large") as error, replace_files(folder) as part:
-        [(part / f"{size}.csv").write_bytes(bytes(size)) for size in (LIMIT, 2 * LIMIT)]
+        [part(f"{size}.csv").write_bytes(bytes(size)) for size in (LIMIT, 2 * LIMIT)]
     assert error.value.filename == str(folder)
     assert list(tmp_path.iterdir()) == []
 

@@ -230,3 +230,23 @@ def test_a_mistake_in_the_file_has_file_line_and_key(
     motionsync: Command, old: str, new: str, parts: tuple[str, ...]
 ) -> None:
     assert_one_line(motionsync("plan-line", saw(SAW.replace(old, new))), *parts)
+
+
+@pytest.mark.parametrize("blades", [2, 3, 5])
+def test_a_knife_with_several_blades_is_planned(blades: int, motionsync: Command) -> None:
+    """Pieces of circumference over blades are the synchronous ones: their line is as fast as the edges may be,
+    3600/360 of a circumference of 600 in a second."""
+    length = 600.0 / blades
+    arguments = ("--machine", "knife", "--set", f"knife.blades={blades}", "--length", f"{length!r}", "--no-report")
+    outcome = motionsync("plan-line", *arguments, "--json")
+    assert (outcome.status, outcome.err) == (0, "")
+    (plan,) = json.loads(outcome.out)["machines"]
+    (point,) = plan["over_length"]
+    assert point["velocity"] == pytest.approx(6000.0, rel=1e-6)
+
+
+def test_a_knife_with_too_many_blades_is_refused_with_the_most_that_it_may_have(motionsync: Command) -> None:
+    """Windows of 20 and 20 on 600: 14 blades."""
+    outcome = motionsync("plan-line", "--machine", "knife", "--set", "knife.blades=20", "--length", "100")
+    assert_one_line(outcome, "knife.blades = 20", "local.allowed_to = 14")
+    assert "sync." not in outcome.err

@@ -247,7 +247,6 @@ def test_a_condition_that_never_holds_and_a_limit_that_is_passed_are_not_met(wor
 
 def test_a_deviation_from_the_reference_is_exit_status_1(workshop: Command) -> None:
     Path("stop/Synchronizer_ref.csv").write_text('"time","slave.position"\n0.0,0.0\n0.1,9.0\n0.5,30.0\n')
-    Path("stop/Synchronizer_ref.opt").write_text("RelTol, 1e-9\n")
     outcome = workshop("run", "stop", "--json", "--no-report")
     assert outcome.status == 1
     (result,) = json.loads(outcome.out)
@@ -264,22 +263,17 @@ def test_a_deviation_from_the_reference_is_exit_status_1(workshop: Command) -> N
 
 
 @pytest.mark.parametrize(
-    ("reference", "options", "part"),
+    ("reference", "part"),
     [
-        ('"time","slave.place"\n0.0,0.0\n0.1,0.0\n0.2,0.0\n', "RelTol, 1e-9\n", "slave.place"),
-        ('"time","slave.position"\n0.0,zero\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
-        ('"time","slave.position"\n0.0\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
-        ("", "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
-        ('"time","slave.position"\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
-        ('"time","slave.position"\n0.0,0.0\n', "StepSize, 1e-9\n", "RelTol"),
-        ('"time","slave.position"\n0.0,0.0\n', "RelTol 1e-9\n", "Synchronizer_ref"),
+        ('"time","slave.place"\n0.0,0.0\n0.1,0.0\n0.2,0.0\n', "slave.place"),
+        ('"time","slave.position"\n0.0,zero\n', "Synchronizer_ref.csv"),
+        ('"time","slave.position"\n0.0\n', "Synchronizer_ref.csv"),
+        ("", "Synchronizer_ref.csv"),
+        ('"time","slave.position"\n', "Synchronizer_ref.csv"),
     ],
 )
-def test_a_reference_that_cannot_be_used_is_one_line(
-    workshop: Command, reference: str, options: str, part: str
-) -> None:
+def test_a_reference_that_cannot_be_used_is_one_line(workshop: Command, reference: str, part: str) -> None:
     Path("stop/Synchronizer_ref.csv").write_text(reference)
-    Path("stop/Synchronizer_ref.opt").write_text(options)
     assert_one_line(workshop("run", "stop", "--no-report"), part)
 
 

@@ -105,7 +105,6 @@ def test_the_report_escapes_the_text_of_the_scenario(workshop: Command) -> None:
 
 def test_json_has_all_results_and_nothing_else_is_printed(workshop: Command) -> None:
     Path("stop/Synchronizer_ref.csv").write_text('"time","slave.position"\n0.0,0.0\n0.1,10.0\n0.3,27.5\n0.5,30.0\n')
-    Path("stop/Synchronizer_ref.opt").write_text("StartTime, 0.0\nStopTime, 0.5\nStepSize, 0.01\nRelTol, 1e-9\n")
     outcome = workshop("run", "stop", "--json", "--no-report")
     assert (outcome.status, outcome.err) == (0, "")
     (result,) = json.loads(outcome.out)

@@ -234,9 +234,17 @@ def test_calls_in_the_wrong_state_are_refused(host: Logged) -> None:
     host.step(0.1)
 
 
-def test_a_step_past_the_stop_time_is_discarded(host: Logged) -> None:
+def test_a_step_past_the_stop_time_is_an_error_that_changes_nothing(host: Logged) -> None:
     host.unit.enterInitializationMode(startTime=1.0, stopTime=2.0)
     host.unit.exitInitializationMode()
-    host.unit.doStep(1.0, 1.0)
-    assert status_of(host.unit.doStep, 2.0, 0.5) == DISCARD
-    assert "would end past the stop time 2" in host.messages[-1]
+    host.unit.doStep(1.0, 0.75)
+    before = host.get()
+    for now, h in ((1.75, 0.5), (1.75, 0.253), (2.0, 1e-3), (1.9, 0.2), (30.0, 1.0)):
+        assert status_of(host.unit.doStep, now, h) == ERROR
+        status, category, message = host.lines[-1]
+        assert (status, category) == (ERROR, LOGGED[ERROR])
+        assert message.endswith("it would end past the stop time 2")
+        assert host.get() == before
+    assert status_of(host.unit.doStep, 1.75, 0.0) == DISCARD  # as any other step that is refused
+    host.unit.doStep(1.75, 0.25)
+    assert status_of(host.unit.doStep, 2.0, 0.25) == ERROR

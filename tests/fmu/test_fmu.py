@@ -278,7 +278,6 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
         ("motionsync", "MIT License"),
         ("pythonfmu", "MIT License"),
     ]
-    assert {name for name in names if name.startswith("terminals")} == {"terminalsAndIcons/terminalsAndIcons.xml"}
     assert f"binaries/linux64/{block}.so" in names
     listed: list[str] = []
     for group in re.findall(r'<tr id="variables-(\w*)">(.*?)(?=<tr id="variables-|</table>)', page, re.S):
@@ -450,8 +449,8 @@ def test_a_bad_start_value_fails_the_initialization(
         ("periods_for_mean_drift", 0, "periods_for_mean_drift = 0 is not allowed: it must be 1 to 64"),
         ("periods_for_mean_drift", 65, "periods_for_mean_drift = 65 is not allowed: it must be 1 to 64"),
         ("periods_for_mean_drift", 2**31 - 1, "periods_for_mean_drift = 2147483647 is not allowed"),
-        ("age_of_data_limit", -1, "age_of_data_limit = -1 is not allowed: it must be >= 0"),
-        ("end_of_transition_limit", 0, "end_of_transition_limit = 0 is not allowed: it must be >= 1"),
+        ("age_of_data_limit", -1, "age_of_data_limit = -1 is not allowed: it must be 0 to 2147483647"),
+        ("end_of_transition_limit", 0, "end_of_transition_limit = 0 is not allowed: it must be 1 to 2147483647"),
         ("end_of_transition_limit", -(2**31), "end_of_transition_limit = -2147483648 is not allowed"),
     ],
 )

@@ -161,7 +161,7 @@ def test_an_unwired_ratio_is_reported(gearing: Path, shared: Shared) -> None:
     with FmuInstance(saw) as host, pytest.raises(FmuError) as e:
         host.initialize({"gear_in_pos.ratio_denominator": 0})
     assert str(e.value) == (
-        "gear_in_pos.ratio_denominator = 0 is not allowed: it must be >= 1; an unwired input gives 0"
+        "gear_in_pos.ratio_denominator = 0 is not allowed: it must be 1 to 2147483647; an unwired input gives 0"
     )
 
 

@@ -33,7 +33,7 @@ from motionsync_fmu.native.platforms import host_platform
 for flavour, unit in {builds}:
     print(compute_guid(Recipe("Nested", unit)))
     host = host_platform()
-    options = BuildOptions(Flavour(flavour), [host] if host else [])
+    options = BuildOptions(Flavour(flavour), platforms=[host] if host else [])
     build(Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"), options)
 """
 

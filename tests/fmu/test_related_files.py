@@ -1,6 +1,7 @@
-"""The run that an FMU brings along by FMI-LS-REF 1.0.0-alpha.1: it is complete, and an importer that knows nothing of
+"""The run that an FMU brings along by FMI-LS-REF 1.0.0-beta.1: it is complete, and an importer that knows nothing of
 motionsync repeats it."""
 
+import hashlib
 import re
 import zipfile
 from pathlib import Path
@@ -26,8 +27,8 @@ from tests.support.references import assert_met
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
 MANIFEST = f"{FOLDER}fmi-ls-manifest.xml"
-# The rules of the layered standard, from its tables 1 to 4. FMPy has the schema of the attributes that all manifests
-# have.
+# The rules of the layered standard and of MA-HS-Experiments, from their tables. FMPy has the schema of the attributes
+# that all manifests have.
 SCHEMA = f"""\
 <xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:ls="http://fmi-standard.org/fmi-ls-manifest">
   <xs:import namespace="http://fmi-standard.org/fmi-ls-manifest"
@@ -43,20 +44,48 @@ SCHEMA = f"""\
               <xs:simpleType><xs:restriction base="xs:string"><xs:pattern
                   value="document|requirement|specification|model|
 |parameter|system|testcase|experiment(/(smoke-test|validation|uncertainty-analysis))?|result|method|rationale|report|
-|request|delivery|configuration|signature|serialized-state(/.*)?|other"/></xs:restriction></xs:simpleType>
+|request|delivery|configuration|signature|serialized-state(/.*)?|meta-data|other"/></xs:restriction></xs:simpleType>
             </xs:attribute>
             <xs:attribute name="description" type="xs:string"/>
+            <xs:attribute name="checksum" type="xs:hexBinary"/>
           </xs:complexType>
         </xs:element>
       </xs:sequence>
       <xs:attribute ref="ls:fmi-ls-name" use="required" fixed="org.fmi-standard.fmi-ls-ref"/>
-      <xs:attribute ref="ls:fmi-ls-version" use="required" fixed="1.0.0-alpha.1"/>
+      <xs:attribute ref="ls:fmi-ls-version" use="required" fixed="1.0.0-beta.1"/>
       <xs:attribute ref="ls:fmi-ls-description" use="required"
           fixed="Layered Standard providing information on related files included in an FMU."/>
     </xs:complexType>
   </xs:element>
 </xs:schema>
 """.replace("|\n|", "|")
+EXPERIMENTS = """\
+<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">
+  <xs:complexType name="File"><xs:attribute name="source" type="xs:anyURI" use="required"/></xs:complexType>
+  <xs:complexType name="Times">
+    <xs:attribute name="startTime" type="xs:double"/>
+    <xs:attribute name="stopTime" type="xs:double"/>
+    <xs:attribute name="stepSize" type="xs:double"/>
+  </xs:complexType>
+  <xs:complexType name="Experiment">
+    <xs:sequence>
+      <xs:element name="TransientSimulation" type="Times"/>
+      <xs:element name="Parameters" minOccurs="0" type="File"/>
+      <xs:element name="Stimuli" minOccurs="0" type="File"/>
+      <xs:element name="References" minOccurs="0" type="File"/>
+    </xs:sequence>
+    <xs:attribute name="name" type="xs:string" use="required"/>
+    <xs:attribute name="description" type="xs:string"/>
+  </xs:complexType>
+  <xs:element name="Experiments">
+    <xs:complexType>
+      <xs:sequence><xs:element name="Experiment" maxOccurs="unbounded" type="Experiment"/></xs:sequence>
+      <xs:attribute name="name" type="xs:string" use="required"/>
+      <xs:attribute name="description" type="xs:string"/>
+    </xs:complexType>
+  </xs:element>
+</xs:schema>
+"""
 
 
 def related(fmu: Path) -> dict[str, str]:
@@ -72,7 +101,9 @@ def related(fmu: Path) -> dict[str, str]:
 
 def experiment(fmu: Path, path: str) -> Element:
     with zipfile.ZipFile(fmu) as z:
-        root = fromstring(z.read(path))
+        text = z.read(path)
+    etree.XMLSchema(etree.fromstring(EXPERIMENTS)).assertValid(etree.fromstring(text))
+    root = fromstring(text)
     assert (root.tag, root.attrib["name"]) == ("Experiments", read_model_description(str(fmu)).modelName)
     (only,) = root.iter("Experiment")
     return only
@@ -85,6 +116,15 @@ def test_the_manifest_keeps_to_the_standard_and_lists_all_files(block_fmu: Path)
     assert set(related(block_fmu)) == {"experiment/smoke-test", "parameter", "other", "result", "document"}
 
 
+def test_the_checksums_are_those_of_the_files(block_fmu: Path) -> None:
+    """SHA3-256, where the manifest names no other; the page, which is no part of the experiment, has none."""
+    with zipfile.ZipFile(block_fmu) as z:
+        for entry in fromstring(z.read(MANIFEST)):
+            text = z.read(urljoin(MANIFEST, entry.attrib["source"]))
+            expected = None if entry.attrib["role"] == "document" else hashlib.sha3_256(text).hexdigest()
+            assert entry.get("checksum") == expected
+
+
 @pytest.mark.parametrize("flavour", Flavour)
 def test_an_importer_repeats_the_run_from_the_files_in_the_fmu(
     flavour: Flavour, block: str, fmus: Fmus, tmp_path: Path
@@ -93,7 +133,8 @@ def test_an_importer_repeats_the_run_from_the_files_in_the_fmu(
     fmu = fmus.built(flavour, block)
     files = related(fmu)
     run = experiment(fmu, files["experiment/smoke-test"])
-    parts = {part.tag: urljoin(files["experiment/smoke-test"], part.attrib["source"]) for part in run}
+    times, *parts_listed = run
+    parts = {part.tag: urljoin(files["experiment/smoke-test"], part.attrib["source"]) for part in parts_listed}
     assert parts == {"Parameters": files["parameter"], "Stimuli": files["other"], "References": files["result"]}
     with zipfile.ZipFile(fmu) as z:
         z.extractall(tmp_path)
@@ -104,15 +145,15 @@ def test_an_importer_repeats_the_run_from_the_files_in_the_fmu(
     assert names[:3] == ["slave.position", "slave.velocity", "slave.acceleration"]
     result = simulate_fmu(
         str(fmu),
-        stop_time=float(run.attrib["stopTime"]),
-        output_interval=float(run.attrib["stepSize"]),
+        stop_time=float(times.attrib["stopTime"]),
+        output_interval=float(times.attrib["stepSize"]),
         start_values=parameters(fmu, parts["Parameters"]),
         input=read_csv(tmp_path / parts["Stimuli"]),
         output=names,
     )
-    assert run.attrib["startTime"] == "0.0"
+    assert times.attrib["startTime"] == "0.0"
     assert 50 <= len(np.unique(reference["time"])) <= 75
-    assert reference["time"][-1] == float(run.attrib["stopTime"])
+    assert reference["time"][-1] == float(times.attrib["stopTime"])
     assert_met(reference, result, float(messages))
 
 
@@ -132,13 +173,13 @@ def test_the_reference_is_rounded_by_less_than_a_hundredth_of_its_tolerance(bloc
     example = load_example(block)
     reference = read_reference(example)
     assert reference
-    names, table, tolerance = reference
+    names, table = reference
     text = related_files(example)[f"{FOLDER}example_ref.csv"].decode()
     header, *rows = (line.split(",") for line in text.splitlines())
     columns = [0, *(1 + names.index(name.strip('"')) for name in header[1:])]
     for row in np.array(rows, float):
         deviation = np.abs(table[table[:, 0] == row[0]][:, columns] - row)  # two rows where there is a jump
-        assert (deviation <= 1e-2 * tolerance * np.maximum(1.0, np.abs(row))).all(axis=1).any()
+        assert (deviation <= 1e-2 * example.tolerance * np.maximum(1.0, np.abs(row))).all(axis=1).any()
 
 
 def test_the_reference_moves(block_fmu: Path) -> None:

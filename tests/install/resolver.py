@@ -26,7 +26,7 @@ PLATFORMS = {  # in the table's words: in uv's words, and sys_platform and platf
     "macOS x86-64": ("x86_64-apple-darwin", "darwin", "x86_64"),
     "macOS arm64": ("aarch64-apple-darwin", "darwin", "arm64"),
 }
-EXTRAS = ("", "native", "line", "test")
+EXTRAS = ("", "native", "test")
 
 
 def versions(platform: str, python: str, extra: str = "", source: Path = PROJECT) -> dict[str, str]:

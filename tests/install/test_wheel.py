@@ -111,7 +111,7 @@ def without_extras(plain: Installation) -> None:
     a_run_takes_the_python_flavour(plain)
     a_build_takes_the_python_flavour(plain)
     the_native_flavour_is_refused(plain)
-    a_line_runs_without_libcosim(plain)
+    a_line_runs(plain)
     a_batch_is_compiled(plain)
 
 
@@ -175,13 +175,11 @@ def a_run_takes_the_native_flavour(native: Installation) -> None:
         assert len([name for name in z.namelist() if name.startswith("binaries/")]) == 1
 
 
-def a_line_runs_without_libcosim(installation: Installation) -> None:
-    """libcosim, which is another extra, is reported as missing."""
+def a_line_runs(installation: Installation) -> None:
     (installation.folder / "short.toml").write_text(SHORT_LINE)
     done = installation.motionsync("line", "short.toml", "--json", "--no-report")
     assert done.returncode == 1, done.stderr
     result = outcome(done)
-    assert "libcosimpy" in str(result["libcosim_missing"])
     expectations = result["expectations"]
     assert isinstance(expectations, list)
     assert [(check["expected"], check["passed"]) for check in expectations[:1]] == [("RemoteSync in sync", False)]

@@ -24,6 +24,14 @@ from motionsync_fmu.interface.quantities import convert, is_quantity
         ("250 ms", "s", 0.25),
         ("1e2 mm", "m", 0.1),
         ("10 ft", "in", 120.0),
+        ("3 inch", "mm", 76.2),
+        ('7.5"', "mm", 190.5),
+        ("2'", "in", 24.0),
+        ("100 fpm", "mm/s", 508.0),
+        ("90ipm", "mm/s", 38.1),
+        ("5 ft 6 in", "mm", 1676.4),
+        ("11' 3\"", "in", 135.0),
+        ("-5ft-6.5in", "in", -66.5),
         ("5 1/min", "1/s", 5 / 60),
     ],
 )
@@ -41,6 +49,9 @@ def test_a_quantity_in_another_unit(text: str, unit: str, value: float) -> None:
         ("5 mm", "", "it must be in no unit"),
         ("5 MM", "mm", "'MM' is no unit"),
         ("5 m/", "mm", "'m/' is no unit"),
+        ("5 ft 6", "mm", "it must be in mm"),
+        ("5' 6 mm", "mm", "is no unit"),
+        ("5 ft 6 in", "mm/s", "it must be in mm/s"),
     ],
 )
 def test_what_measures_something_else_is_refused(text: str, unit: str, message: str) -> None:

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from motionsync.flying_saw.block import FlyingSaw
+from motionsync.flying_saw.interface import State
+from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from motionsync_fmu.batch.simulation import simulate_many
-from tests.measured.lines import MEASURED, SEEDS, STEP, Reals, changes, halting, noisy, times
+from tests.measured.lines import MEASURED, SEEDS, STEP, Reals, changes, counted, halting, noisy, times
 
 LENGTH, LINE = 1500.0, 1000.0  # mm between cuts, mm/s
 RAMP = 1.03 * LINE * max(1.5 * LINE / 6000.0, (6.0 * LINE / 200000.0) ** 0.5)
@@ -133,3 +135,68 @@ def test_a_saw_couples_once_to_a_line_that_halts(
     law = result["master.smoothed_position"][in_sync] - 500.0
     np.testing.assert_allclose(result["slave.position"][in_sync], law, atol=1e-9)
     assert np.abs(np.diff(result["slave.position"], axis=1)).max() < 1.1 * velocity * STEP
+
+
+@pytest.mark.parametrize(("resolution", "velocity"), [(0.1, 437.7), (0.1, 261.3), (0.02, 813.1)])
+@pytest.mark.parametrize("mode", [MasterInput.POSITION_ONLY, MasterInput.MEASURED])
+def test_the_accelerations_of_an_encoder_make_no_coupling_overshoot(
+    mode: MasterInput, resolution: float, velocity: float
+) -> None:
+    """Wherever in a count the edge is. From rest with a mean of 3/4 of the line's velocity a saw overshoots along one
+    polynomial of order 5, which is the only profile while the master has an acceleration; along two it does not. A line
+    of constant velocity has second differences of at most one count, half of what is left out."""
+    t = times(0.5)
+    positions = counted(velocity * t + np.linspace(0.0, resolution, 100)[:, None], resolution)
+    runs = {
+        scaling: simulate_many(
+            "FlyingSaw",
+            STEP,
+            {"master.position": positions, "gear_in_pos.execute": (t >= 0.4).astype(float)},
+            ["gear_in_pos.error_id", "characteristics.profile", "master.smoothed_acceleration"],
+            start={
+                "master.input_mode": mode,
+                "master.velocity": velocity,
+                "master.encoder_scaling": scaling,
+                "gear_in_pos.master_sync_position": 0.4 * velocity + 1000.0,
+                "gear_in_pos.slave_sync_position": 750.0,
+                "sync_mode.check_overshoot_velocity": True,
+                "sync_mode.detailed_error_codes": True,
+            },
+        )
+        for scaling in (0.0, resolution)
+    }
+    assert np.abs(runs[resolution]["master.smoothed_acceleration"]).max() <= 1.001 * resolution / STEP**2
+    refused = {scaling: run["gear_in_pos.error_id"][:, -1] == 0x437C for scaling, run in runs.items()}
+    assert np.mean(refused[0.0]) > 0.3
+    assert not refused[resolution].any()
+    assert (runs[resolution]["characteristics.profile"][:, -1] == ProfileKind.P5_P1).all()
+
+
+@pytest.mark.parametrize("bit", ["rollback_lock", "instant_stop_on_rollback"])
+def test_a_time_based_saw_rests_once_the_line_surely_goes_back(bit: str) -> None:
+    """The line, at 5 mm/s, stops just after the edge, so that noise and overshoot take it back beyond the coupling
+    position: 1.5 times the travel in a reaction time of 21 ms, 0.16 of 0.32 mm that are uncertain. Later it goes back.
+    The saw comes from 100 mm/s with 50 mm/s^2, so it still moves then."""
+    t = times(6.0)
+    line = 5.0 * np.minimum(t, 1.001) - 50.0 * np.maximum(t - 2.0, 0.0)
+    result = simulate_many(
+        "FlyingSaw",
+        STEP,
+        {"master.position": noisy(line, 0.02), "gear_in_velo.execute": (t >= 1.0).astype(float)},
+        ["state", "slave.position", "slave.velocity", "master.smoothed_position"],
+        start={
+            **MEASURED,
+            "master.velocity": 5.0,
+            "axis.initial_velocity": 100.0,
+            "sync_mode.time_based": True,
+            f"sync_mode.{bit}": True,
+            "gear_in_velo.deceleration": 50.0,
+        },
+    )
+    state, smoothed = result["state"], result["master.smoothed_position"]
+    at_rest = (t >= 1.0) & (t < 2.0)
+    assert (smoothed[:, at_rest].min(axis=1) < 4.95).any()  # the coupling position is 5.005
+    assert (state[:, at_rest] == State.SYNCHRONIZING).all()
+    assert (state[:, -1] == State.PREPHASE).all()
+    assert (changes(state) == 2).all()  # to SYNCHRONIZING and to PREPHASE
+    assert not result["slave.velocity"][:, -1].any()

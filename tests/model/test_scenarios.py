@@ -111,6 +111,7 @@ def test_few_scenarios_are_bound_to_their_step_size() -> None:
     """Those whose block sees something at communication points alone: its limits, or a master without a velocity."""
     bound = [load_scenario(file) for file in find_files(ROOT / "scenarios")]
     assert {s.name for s in bound if s.step_bound} == {
+        "alarm_positioning",
         "alarm_speed",
         "alarm_speed_in_each_phase",
         "alarm_acceleration_in_each_phase",

@@ -1,5 +1,6 @@
 """The files of the native flavour: what the libraries need and export, sizes, paths, the hash, and failing builds."""
 
+import ctypes
 import os
 import re
 import shutil
@@ -38,7 +39,7 @@ from tests.support.validation import faults_by_fmpy
 
 RECIPE = Recipe("Synchronizer")
 # Bytes of an FMU, with what another Matplotlib may add to its picture; those of the other blocks are smaller.
-LARGEST = {"CutToLength": 194_500, "RotaryKnife": 200_500}
+LARGEST = {"CutToLength": 194_500, "FlyingSaw": 185_500, "RotaryKnife": 200_500}
 MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it starts
 FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
 
@@ -56,13 +57,47 @@ def tool(name: str, *arguments: object) -> str:
 
 
 @pytest.mark.parametrize("platform", [p.folder for p in ROWS if p.suffix == "so"])
-def test_a_linux_library_needs_memory_of_its_process_and_nothing_else(block: str, folder: Path, platform: str) -> None:
+def test_a_linux_library_needs_memory_of_the_c_library_and_nothing_else(
+    block: str, folder: Path, platform: str
+) -> None:
+    """Its names have no versions, so that any C library of that name serves."""
     library = folder / PLATFORMS[platform].library(block)
-    assert "(NEEDED)" not in tool("readelf", "-d", library)
+    assert re.findall(r"\(NEEDED\).*\[(.*)\]", tool("readelf", "-d", library)) == ["libc.so.6"]
+    assert "No version information found" in tool("readelf", "-V", library)
     lines = tool("readelf", "-W", "--dyn-syms", library).splitlines()
     symbols = [line.split()[4:] for line in lines if "GLOBAL" in line]
     assert {name for _, _, section, name, *_ in symbols if section != "UND"} == FUNCTIONS
     assert {name for _, _, section, name, *_ in symbols if section == "UND"} == {"calloc", "free"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has name spaces for libraries")
+def test_a_linux_library_runs_in_a_name_space_of_its_own(folder: Path, block: str) -> None:
+    """There nothing has loaded a C library before, as in an importer that is linked statically."""
+    process = ctypes.CDLL(None)
+    process.dlmopen.restype = process.dlerror.restype = ctypes.c_void_p
+    path = str(folder / PLATFORMS["linux64"].library(block)).encode()
+    handle = process.dlmopen(ctypes.c_long(-1), path, os.RTLD_NOW)
+    assert handle, ctypes.string_at(process.dlerror())
+    library = ctypes.CDLL(None, handle=handle)
+    library.fmi2Instantiate.restype = ctypes.c_void_p
+    guid = fmpy.read_model_description(str(folder)).guid.encode()
+    callbacks = (ctypes.c_void_p * 5)()
+    unit = ctypes.c_void_p(library.fmi2Instantiate(b"unit", 1, guid, None, callbacks, 0, 0))
+    assert unit
+    nothing, zero = ctypes.c_double(0.0), 0
+    assert library.fmi2SetupExperiment(unit, zero, nothing, nothing, zero, nothing) == 0
+    assert library.fmi2EnterInitializationMode(unit) == library.fmi2ExitInitializationMode(unit) == 0
+    for i in range(10):
+        assert library.fmi2DoStep(unit, ctypes.c_double(0.1 * i), ctypes.c_double(0.1), 1) == 0
+    library.fmi2FreeInstance(unit)
+
+
+def test_a_linux_library_finds_its_memory_in_musl(folder: Path, block: str) -> None:
+    loader = next(Path("/lib").glob("ld-musl-x86_64.so*"), None)
+    if loader is None:
+        pytest.skip("musl is not installed")
+    listed = tool(str(loader), "--list", folder / PLATFORMS["linux64"].library(block))
+    assert re.findall(r"(\S+) =>", listed) == ["libc.so.6"]
 
 
 def test_the_windows_library_needs_memory_of_the_system_and_nothing_else(block: str, folder: Path) -> None:
@@ -277,7 +312,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
         "unit_ranges.h",
         "unit_states.h",
     }
-    others = own | {f"freestanding/{name}" for name in ("freestanding.c", "math.h", "stdlib.h", "string.h")}
+    others = own | {f"freestanding/{name}" for name in ("freestanding.c", "libc.c", "math.h", "stdlib.h", "string.h")}
     names = {f"native/{name}" for name in (*others, *(f"{module}.py" for module in modules))}
     compiler = FOLDER.with_name("compiler")
     names |= {file.relative_to(FOLDER.parent).as_posix() for file in compiler.rglob("*.py")}

@@ -46,7 +46,7 @@ from tests.oracle.cut_to_length_state import (
     MachineState,
 )
 from tests.oracle.piece_machine import LATE, SKIP, STOP_LINE, Event
-from tests.oracle.piece_records import CUT_MISSED, SHORT, START_REFUSED, TRIM, TUNABLE
+from tests.oracle.piece_records import CUT_MISSED, CUT_NOW_REFUSED, SHORT, START_REFUSED, TRIM, TUNABLE
 from tests.oracle.root_search import find_first_root
 from tests.oracle.timed_motion import AxisState, Rest, TimedMotion, is_at_target, plan_move
 
@@ -147,12 +147,12 @@ class MachineRun(MachineState):
         distance = saw.approach_distance(m.velocity) if crossed else left
         if saw.stroke_margin(m.velocity) < 0:
             self._fail(STROKE) if mode == STOP_LINE else self.records.skip_cut(from_position)
-        elif distance >= saw.lead(speed) * (1 - LATENESS):
+        elif distance >= saw.lead(speed) * (1 - LATENESS) and self.records.leaves_length(piece.cut_position):
             self._start_approach(saw, distance)
         elif piece.kind == TRIM:
             self.records.move_cut(from_position)
             self._start_approach(saw, saw.lead(speed))
-        elif mode == SKIP:
+        elif mode == SKIP or (mode == LATE and not self.records.leaves_length(from_position)):
             self.records.skip_cut(from_position)
         elif mode == LATE:
             self.records.move_cut(from_position, late=True)
@@ -168,7 +168,11 @@ class MachineRun(MachineState):
         m, saw = self.master(), self.records.saw()
         lead = saw.lead(saw.k * m.velocity)
         self.is_cut_requested = False
-        self.records.move_cut(m.position - (saw.home - lead) / saw.k, SHORT)
+        cut_position = m.position - (saw.home - lead) / saw.k
+        if not self.records.leaves_length(cut_position):
+            self._answer_command(CUT_NOW_REFUSED)
+            return
+        self.records.move_cut(cut_position, SHORT)
         self._start_approach(saw, lead)
 
     def _start_approach(self, saw: Saw, distance: float) -> None:

@@ -14,13 +14,14 @@ Further readings of the specification that it leaves open:
 - What is set where the master jumps acts with the master after the jump, and a coupled slave starts a new motion from
   what the coupling makes of that; a time-based ramp takes a jump of the master up from the slave's own velocity.
 - `coupling_factor` is k while coupled, else 0. `characteristics` keep their values after uncoupling.
+- The cycle of an encoder as master is its sample time, or without one the scenario's step.
 - Master positions are unwrapped from the first one in the period; those among the characteristics are shown wrapped.
 - Waiting for `master_start_distance`: limits, factor, mode and a master at rest are checked at the edge and again at
   the start, the slave's sync position only at the start. On a coupled slave the old coupling goes on meanwhile (its
   backstop, at which the block still parks, is not modelled here). gear_out then makes the slave acceleration-free as
   ever. Refused at the start the slave goes on by its own motion, a coupled one at constant velocity.
-- The coupling position counts as passed once the master goes beyond it. Before sync a time-based coupling only notes
-  it; passed by then, it must be passed forwards and backwards again to park the slave.
+- The coupling position counts as passed once the master goes beyond it. Before sync a time-based coupling parks the
+  slave there if one of the two reversal bits is set: at once with the instant stop, else by the halt of case 5.
 - The jerk of a coupled slave takes the master's jerk as 0, as far as a unit can know.
 - Where a plan after the backstop is refused while the slave still halts, the halt goes on to its end, uncoupled.
 - A slave that has reached its target velocity 0 is at STANDSTILL, still with in_velocity.
@@ -124,6 +125,8 @@ class FlyingSawRun(EventRun):
         start = script.get("start", {})
         self.inputs = {name: start.get(name, default) for name, default in DEFAULTS.items()}
         self.period = mp.mpf(start.get("master.period", 0))
+        cycle = start.get("master.sample_time", 0) or script["step_size"]
+        self.encoder_noise = 2 * mp.mpf(start.get("master.encoder_scaling", 0)) / mp.mpf(cycle) ** 2
         self.cosine = mp.cos(mp.mpf(start.get("diagonal_angle", 0)) * mp.pi / 180)
         self.commands = {group: Command(group, bool(self.inputs[f"{group}.execute"])) for group in GROUPS}
         position, velocity = (mp.mpf(start.get(f"axis.initial_{name}", 0)) for name in ("position", "velocity"))
@@ -397,7 +400,8 @@ class FlyingSawRun(EventRun):
         assert coupling
         coupling.behind = True
         bits = coupling.request.bits
-        if self.time_based or (coupling.reached and "rollback_lock" not in bits):
+        parking_bits = {"rollback_lock"} if coupling.reached else {"rollback_lock", "instant_stop_on_rollback"}
+        if (self.time_based or coupling.reached) and not parking_bits & {*bits}:
             return
         slave = self._slave()
         coupling.state = PREPHASE
@@ -521,6 +525,7 @@ class FlyingSawRun(EventRun):
         if request is None:
             self._refuse(group, BAD_FACTOR)
             return
+        request = replace(request, encoder_noise=self.encoder_noise)
         master, direction = request.master, int(mp.sign(request.master.velocity)) or self.stretch.direction
         error = refusal(request, slave_side=False) or (NOT_AHEAD if distance < 0 else 0)
         wait_until = request.sync[0] - direction * distance if request.sync and distance > 0 else master.position

@@ -70,7 +70,7 @@ def _broken_velocities(request: Request, curve: Curve) -> set[int]:
     if maximum > tolerance:
         codes.add(0x4384 if master_forwards else 0x4385)
     t = mp.sign(request.synchronous_velocity)
-    if min(t * minimum, t * maximum) < -tolerance and t * request.slave.velocity >= 0:
+    if min(t * minimum, t * maximum) < -tolerance:
         codes.add(0x4386 if master_forwards else 0x4387)
     return codes
 

@@ -34,7 +34,8 @@ class Request:
     """What a synchronisation is planned from.
 
     `mode`: gear_in_velo or gear_in_pos; `sync`: the sync positions (master, slave) of gear_in_pos (u), the master's
-    already the next one ahead; `bits`: names of the sync mode that are set; `ends`: software end positions (u).
+    already the next one ahead; `bits`: names of the sync mode that are set; `ends`: software end positions (u);
+    `encoder_noise`: an encoder as master makes accelerations up to below it (u/s2).
     """
 
     mode: str
@@ -45,6 +46,7 @@ class Request:
     bits: Collection[str] = ()
     ends: tuple[Number, Number] = (-mp.inf, mp.inf)
     sync: tuple[Number, Number] | None = None
+    encoder_noise: Number = ZERO
 
     @property
     def time_based(self) -> bool:
@@ -56,7 +58,9 @@ class Request:
 
     @property
     def master_acceleration(self) -> Number:
-        return ZERO if "ignore_master_acceleration" in self.bits else self.master.acceleration
+        """What counts of it in a profile over the master's position."""
+        ignored = "ignore_master_acceleration" in self.bits or abs(self.master.acceleration) < self.encoder_noise
+        return ZERO if ignored else self.master.acceleration
 
     @property
     def slave_acceleration(self) -> Number:

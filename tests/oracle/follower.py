@@ -23,6 +23,9 @@ The meeting:
   they go by the parameters of now. A variable value given in decel or homing is the next meeting.
 - A skipped start stays skipped, should the master come back to it at park; skipped or missed, the state is
   M_WAITING_NEXT_CYCLE until Q + C - M_f - wait even if a new value in reach has come meanwhile.
+- Too late for this cycle (fixed): the start to its meeting is behind the master. That meeting is the next one ahead of
+  the master (not the one where it is) or, where one was expected already, the one nearest to that. M_WAITING_NEXT_CYCLE
+  then lasts up to the next start, less the wait.
 
 A variable cycle:
 - "Less than C after this one" is checked at sync_out; such a value is lost, not saved for park. "Beyond what the phase
@@ -111,6 +114,7 @@ COLUMNS = (
 """What a scenario's reference has in addition to the time."""
 
 REFUSED, MASTER_MOVED, FELL_BACK = 1, 2, 14
+LIMIT_FAULTS = {state: (6 + number, 10 + number) for number, state in enumerate(CYCLE)} | {POSITIONING: (15, 16)}
 NAMES = dict(zip(CYCLE, ("following", "synchronized", "decel", "homing"), strict=True))
 
 
@@ -277,6 +281,13 @@ class FollowerRun(MasterCrossings, EventRun):
             meeting = first_not_before(value, values.cycle, self._master_position() + ramp)
             while meeting - ramp <= self.skipped + tolerance:
                 meeting += values.cycle
+            lowest = self._master_position() + 2 * tolerance
+            if phase.meeting is not None:
+                lowest = phase.meeting - values.cycle / 2
+            present = first_not_before(value, values.cycle, lowest)
+            if present - ramp < self._master_position() - tolerance:
+                self.log.append((self.time, "start missed"))
+                self._wait_for_next(meeting - ramp - values.wait)
         elif self.pending is not None:
             meeting = self.pending - values.shift
             if meeting - ramp < self._master_position() - tolerance:
@@ -504,13 +515,12 @@ class FollowerRun(MasterCrossings, EventRun):
 
     def _check_limits(self) -> None:
         """At the end of a step: the values about to be output, with those of the master up to this time."""
-        if self.state not in CYCLE:
+        if self.state not in LIMIT_FAULTS:
             return
         _, v, a, _ = self._slave()
-        for value, kind, first in ((v, "speed", 6), (a, "acceleration", 10)):
+        for value, kind, fault in zip((v, a), ("speed", "acceleration"), LIMIT_FAULTS[self.state], strict=True):
             limit = self._limit(kind)
             if limit is not None and abs(value) > limit:
-                fault = first + CYCLE.index(self.state)
                 self.error_id, self.state, self.phase = fault, IN_ALARM, None
                 self._note()
                 self.given = True

@@ -306,8 +306,9 @@ def onward_from(sync_exit: SyncExit, base: Number, to_park: bool) -> Phase | Non
 
 
 def parked(phase: Phase) -> Phase:
-    """After homing."""
-    return at_park(phase.values, phase.base + phase.values.park, phase.base, phase.reduced)
+    """After homing, waiting for the meeting that the way was paced for."""
+    rest = at_park(phase.values, phase.base + phase.values.park, phase.base, phase.reduced)
+    return replace(rest, meeting=phase.meeting, ramp=phase.ramp)
 
 
 def nearest_turn(distance: Number, cycle: Number) -> Number:

@@ -6,6 +6,8 @@ Readings of the specification that it leaves open:
 - What is set where the master jumps acts with the master after the jump.
 - A `cut_now` after `stop` or `abort` is refused, though the machine runs until it is at rest.
 - `start` clears a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
+- A `cut_now` that would leave no piece is refused where it would be carried out, and a late cut that leaves none is
+  left out, in LATE, too.
 - Marks are no commands: they leave a refusal as it is.
 - Any other command that is not refused clears a refusal; `stop` and `abort` of a machine that does not run are none.
 """
@@ -209,7 +211,7 @@ class PieceMachine(ABC):
             if self.period > 0:
                 position += round((m.position - position) / self.period) * self.period
         self.has_mark_edge = True
-        if fault := self.records.detect_mark(position):
+        if fault := self.records.detect_mark(position, float(m.position)):
             self._fail(fault)
 
     def _do_cut_now(self) -> None:

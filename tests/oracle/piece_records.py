@@ -7,7 +7,9 @@ Readings of the specification that it leaves open:
 - `length_waste` holds WASTE, TRIM and bad pieces; a sample's length counts nowhere.
 - `clear_statistics` resets `statistics.*`, not the batches, nor `order.completed`.
 - THIS_PIECE with a length that is none: the piece stays as it was fixed, and the change waits until it ends.
-- A calibration that would bring the factor out of 1e-6 to 1e6 is refused.
+- TRIM: a crop of no length is one of 1e-6.
+- A far mark is refused before missing marks are counted.
+- A calibration that would bring the factor out of 0.5 to 2 is refused.
 - The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
 - A missing mark without `substitute` does not count among the n of `mark.every`.
 - With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
@@ -27,12 +29,21 @@ NONE, PRODUCT, SAMPLE, WASTE, TRIM, SHORT, MERGED = range(7)
 START_REFUSED, ORDER_REFUSED, ORDERS_FULL, CALIBRATION_REFUSED, TUNABLE, CUT_NOW_REFUSED = range(1, 7)
 CUT_MISSED, MARKS_MISSING, MARKS_FULL = 16, 18, 20
 QUEUE = 64
-LEAST_PITCH = 1e-6
-LEAST_FACTOR = 1e-6
+LEAST_LENGTH = 1e-6
+FARTHEST_MARK = 1e4
+LEAST_FACTOR = 0.5
 
 COUNTERS = (
     *("cuts", "pieces_good", "pieces_bad", "pieces_sample", "pieces_waste", "skipped", "late", "marks"),
-    *("marks_missing", "marks_outside", "unsynchronised", "length_good", "length_waste", "error_worst"),
+    *(
+        "marks_missing",
+        "marks_outside",
+        "marks_refused",
+        "unsynchronised",
+        "length_good",
+        "length_waste",
+        "error_worst",
+    ),
 )
 
 
@@ -113,7 +124,8 @@ class PieceRecords:
         self.statistics = Statistics()
         self.batch_count, self.batches = 0, 0
         self.last = dict.fromkeys(("length", "error", "kind", "good", "time", "reserve"), 0.0)
-        self.warnings = dict.fromkeys(("mark_missing", "mark_outside", *self.warnings_of_piece), False)
+        warnings = ("mark_missing", "mark_outside", "mark_refused", *self.warnings_of_piece)
+        self.warnings = dict.fromkeys(warnings, False)
         self.batch_done = False
 
     def outputs(self) -> dict[str, float | bool]:
@@ -175,7 +187,8 @@ class PieceRecords:
         self.is_running, self.is_merging = True, False
         self.piece = None
         if mode == 2:
-            self.piece = replace(self._make_piece(TRIM, float(self.inputs["trim_length"]), None), pitch=inf)
+            piece = self._make_piece(TRIM, float(self.inputs["trim_length"]), None)
+            self.piece = replace(piece, cut_position=max(piece.cut_position, self.least_end()), pitch=inf)
         else:
             self.fix_piece()
 
@@ -196,7 +209,7 @@ class PieceRecords:
             return
         if not self.is_by_marks:
             pitch = (length + self.correction + self.kerf) / self.f
-            if length > 0 and pitch * self.f > LEAST_PITCH:
+            if min(length, pitch * self.f) > LEAST_LENGTH:
                 self.piece = self._make_piece(kind, length, order)
                 self.sample_requested = self.sample_requested and kind != SAMPLE
         elif self.marks:
@@ -211,6 +224,17 @@ class PieceRecords:
     def _make_piece(self, kind: int, length: float, order: Order | None) -> Piece:
         pitch = (length + self.correction + self.kerf) / self.f
         return Piece(kind, length, pitch, self.f, self.kerf, self.correction, self.origin + pitch, order)
+
+    def leaves_length(self, cut_position: float) -> bool:
+        """Whether a cut there leaves a piece of some length."""
+        return cut_position >= self.least_end()
+
+    def least_end(self) -> float:
+        """Where a cut begins to leave a piece of some length."""
+        f, kerf, correction = self.f, self.kerf, self.correction
+        if self.piece is not None:
+            f, kerf, correction = self.piece.f, self.piece.kerf, self.piece.correction
+        return self.origin + (max(kerf + correction, 0) + LEAST_LENGTH) / f
 
     def _requested(self, orders: list[Order]) -> tuple[int, float, Order | None]:
         """Kind, length and order of a piece that starts now; a length of 0 or less is none."""
@@ -359,10 +383,13 @@ class PieceRecords:
                 return fault
         return 0
 
-    def detect_mark(self, position: float) -> int:
-        """An edge of the sensor, while the master was at `position`: the fault, or 0."""
+    def detect_mark(self, position: float, master: float) -> int:
+        """An edge of the sensor, while the master was at `position`; it is at `master` now: the fault, or 0."""
         if not (self.is_running and self.is_by_marks):
             return 0
+        spacing = self.inputs["mark.spacing"] / self.f
+        if 0 < FARTHEST_MARK * spacing < self._cut_of_mark(position) - master:
+            return self._refuse_mark()
         if fault := self.count_missing_marks(position):
             return fault
         expected = self._expected_mark()
@@ -370,10 +397,21 @@ class PieceRecords:
             self.statistics.add("marks_outside")
             self.warnings["mark_outside"] = True
             return 0
+        before = self.marks[-1] if self.marks else self.origin
+        if self.f * (self._cut_of_mark(position) - before) - self.kerf <= LEAST_LENGTH:
+            return self._refuse_mark()
         self.statistics.add("marks")
-        self.warnings |= {"mark_missing": False, "mark_outside": False}
+        self.warnings |= dict.fromkeys(("mark_missing", "mark_outside", "mark_refused"), False)
         self.missing, self.last_mark = 0, position
         return self._queue_mark(position)
+
+    def _refuse_mark(self) -> int:
+        self.statistics.add("marks_refused")
+        self.warnings["mark_refused"] = True
+        return 0
+
+    def _cut_of_mark(self, position: float) -> float:
+        return float(position + (self.inputs["mark.sensor_distance"] + self.inputs["mark.cut_offset"]) / self.f)
 
     def _queue_mark(self, position: float) -> int:
         number, self.mark_number = self.mark_number, self.mark_number + 1
@@ -381,7 +419,7 @@ class PieceRecords:
             return 0
         if len(self.marks) >= QUEUE:
             return MARKS_FULL
-        self.marks.append(position + (self.inputs["mark.sensor_distance"] + self.inputs["mark.cut_offset"]) / self.f)
+        self.marks.append(self._cut_of_mark(position))
         return 0
 
     # --- what the line may run ------------------------------------------------------------------------------------
@@ -403,4 +441,4 @@ class PieceRecords:
     def _pitch(self, length: float) -> float:
         """The pitch for a length; infinite for none."""
         travel = length + self.correction + self.kerf
-        return travel / self.f if length > 0 and travel > LEAST_PITCH else inf
+        return travel / self.f if min(length, travel) > LEAST_LENGTH else inf

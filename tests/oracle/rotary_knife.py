@@ -87,7 +87,7 @@ FIXED: dict[str, Any] = {
     "knife.turn": 360.0,
     "knife.circumference": 600.0,
     "knife.blades": 1,
-    "knife.park_angle": 180.0,
+    "knife.park_angle": 0.0,
     "sync.mode": 1,
     "axis.max_velocity": 3600.0,
     "axis.max_acceleration": 72000.0,

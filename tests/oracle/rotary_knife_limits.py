@@ -72,7 +72,7 @@ class Knife:
             mp.mpf(inputs["knife.turn"]),
             mp.mpf(inputs["knife.circumference"]),
             int(inputs["knife.blades"]),
-            mp.mpf(inputs["knife.park_angle"]),
+            mp.mpf(inputs["knife.park_angle"]) or mp.mpf(inputs["knife.turn"]) / inputs["knife.blades"] / 2,
             int(inputs["sync.mode"]),
             bool(inputs["allow_parking"]),
             *(mp.mpf(inputs[f"axis.max_{name}"]) for name in ("velocity", "acceleration", "jerk")),

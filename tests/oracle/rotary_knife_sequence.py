@@ -24,7 +24,7 @@ from typing import Any
 from tests.oracle import mp
 from tests.oracle.mp import Number
 from tests.oracle.piece_machine import LATE, SKIP, Event
-from tests.oracle.piece_records import CUT_MISSED, SHORT, START_REFUSED, TRIM, TUNABLE
+from tests.oracle.piece_records import CUT_MISSED, CUT_NOW_REFUSED, SHORT, START_REFUSED, TRIM, TUNABLE
 from tests.oracle.root_search import find_first_root
 from tests.oracle.rotary_knife_curves import ZERO, Cut, Extremes, Rest, greatest
 from tests.oracle.rotary_knife_limits import Way, ramp_velocity
@@ -145,12 +145,13 @@ class KnifeRun(ParkingKnife):
         ramp = self.knife.ramp_up(self.next_cut(piece.cut_position, records.window))
         is_slow = m.velocity <= ramp_velocity(self.knife, records.window) * (1 + LATENESS)
         earliest = m.position + ramp.width + records.window.before
-        if m.position <= ramp.begin + LATENESS * ramp.width and is_slow:
+        leaves_length = records.leaves_length(piece.cut_position)
+        if m.position <= ramp.begin + LATENESS * ramp.width and is_slow and leaves_length:
             self._plan_ramp_up(ramp.begin if m.position <= ramp.begin + ROUNDING * ramp.width else m.position)
         elif piece.kind == TRIM:
             records.move_cut(earliest)
             self._plan_ramp_up(m.position)
-        elif records.inputs["late_mode"] == LATE and is_slow:
+        elif records.inputs["late_mode"] == LATE and is_slow and records.leaves_length(earliest):
             records.move_cut(earliest, late=True)
             records.statistics.add("late")
             self._plan_ramp_up(m.position)
@@ -166,7 +167,11 @@ class KnifeRun(ParkingKnife):
         if records.piece is None:
             records.window = records.window_as_set()
         ramp = self.knife.ramp_up(self.next_cut(ZERO, records.window))
-        records.move_cut(m.position + ramp.width + records.window.before, SHORT)
+        cut_position = m.position + ramp.width + records.window.before
+        if not records.leaves_length(cut_position):
+            self._answer_command(CUT_NOW_REFUSED)
+            return
+        records.move_cut(cut_position, SHORT)
         self._plan_ramp_up(m.position)
 
     def _plan_ramp_up(self, begin: Number) -> None:
@@ -223,7 +228,8 @@ class KnifeRun(ParkingKnife):
             self._plan_ramp_down(departure)
             return
         following = self.next_cut(records.piece.cut_position, records.window)
-        if way := departure.admissible_way(following):
+        way = departure.admissible_way(following) if records.leaves_length(records.piece.cut_position) else None
+        if way:
             self._plan_way(departure, way, following)
             return
         mode = records.inputs["late_mode"]
@@ -239,7 +245,7 @@ class KnifeRun(ParkingKnife):
             return self.next_cut(departure.place + z + late.window.before, late.window)
 
         longest = departure.longest_turning(cut_after)
-        least = late.begin - departure.place
+        least = max(late.begin, self.records.least_end() - late.window.before) - departure.place
         reached = departure.earliest(cut_after, least, longest) if least < longest else None
         reached = reached or departure.earliest_parking(cut_after, max(least, longest))
         if reached is None:
@@ -255,9 +261,11 @@ class KnifeRun(ParkingKnife):
         piece, records = self.records.piece, self.records
         assert piece is not None
 
+        marks = [place for place in records.marks[1:] if records.leaves_length(place)]
+
         def places() -> Iterator[Number]:
             if records.is_by_marks:
-                yield from records.marks[1:]
+                yield from marks
                 return
             place = mp.mpf(piece.cut_position)
             while True:
@@ -268,7 +276,7 @@ class KnifeRun(ParkingKnife):
         if reached is None:
             return False
         number, cut, way = reached
-        records.skip_cut(records.marks[number] if records.is_by_marks else cut.place - mp.mpf(piece.pitch) / 2)
+        records.skip_cut(marks[number - 1] if records.is_by_marks else cut.place - mp.mpf(piece.pitch) / 2)
         self._plan_way(departure, way, cut)
         return True
 
@@ -342,7 +350,8 @@ class KnifeRun(ParkingKnife):
             longest = departure.longest_turning(cut_after)
             if piece is not None:
                 longest = min(longest, mp.mpf(piece.cut_position) - window.before - departure.place)
-            reached = departure.earliest(cut_after, ZERO, longest) if longest > 0 else None
+            least = max(ZERO, records.least_end() - window.before - departure.place)
+            reached = departure.earliest(cut_after, least, longest) if longest > least else None
             if reached is not None and (piece is None or reached[0].place < piece.cut_position):
                 cut, way = reached
                 records.window = window

@@ -329,7 +329,6 @@ class _Path:
             x = ramp.d * nearby.at(time + side * WINDOW).position
             ramp = ramp.aimed(x, self.period) if self.period > 0 else ramp
             state = replace(state, ramp=ramp)
-            on = x >= ramp.begin
         slave = _slave(state, on, aside)
         turns_side = side if time >= WINDOW else max(side, 0)  # nothing was before 0
         row = {

@@ -169,7 +169,7 @@ def test_no_line_joins_the_end_of_one_piece_to_that_of_the_next(name: str) -> No
 def test_a_picture_has_the_units_of_its_example() -> None:
     example = load_example("RotaryKnife")
     labels = [panel.label for panel in make_panels(example, example.unit, example.slave_unit)]
-    assert labels[:3] == ["position\ndeg", "velocity\nmm/s,\nslave deg/s", "acceleration\ndeg/s²"]
+    assert labels == ["position\ndeg", "velocity\nmm/s,\nslave deg/s", "acceleration\ndeg/s²", "piece\nmm"]
 
 
 def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:

@@ -18,7 +18,13 @@ def test_rounding_does_not_add_up() -> None:
     assert abs(sum(x) - 4.0) < 1e-9
 
 
-def test_a_curve_is_left_as_it_is() -> None:
+def test_a_curve_becomes_steps_with_a_digit_more() -> None:
+    """From (1.04, 2): three points to (4.5, 2.25), a second curve to (5, 5), a line to (6, 5), by hand."""
+    drawn = b'<path d="M 1.04 2 \nC 2 2 3.333 2.25 4.5 2.25 \nC 5 3 5 4 5 5 \nL 6 5 \n"/>'
+    assert compact(drawn) == b'<path d="m1.04 2c0.96 0 2.29 0.25 3.46 0.25 0.5 0.75 0.5 1.75 0.5 2.75l1 0"/>'
+
+
+def test_a_quadratic_curve_is_left_as_it_is() -> None:
     assert compact(b'<path d="M 1 2 \nQ 3 4 5 6 \n"/>') == b'<path d="M 1 2 \nQ 3 4 5 6 \n"/>'
 
 

@@ -12,13 +12,10 @@ import pytest
 from tests import ROOT
 from tests.support.fmus import Shared
 from tests.support.mypy_cache import copied_cache
+from tools.new_block import write_block
 
-NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
-LINE = "from .shifter.block import Shifter as Shifter"
-ENTRY = '"Shifter": ".shifter.block",'
 LEFT_OUT = ("install", "__pycache__")
 OF_FMUS = ("fmi3", "fmu", "native")  # these folders take as long as all others
-ROW = "| run a slave ahead of its master | [`Shifter`](model/motionsync/shifter/README.md) |"
 
 
 def listed() -> list[str]:
@@ -37,18 +34,11 @@ def copy(shared: Shared) -> Path:
 def follow_the_list(folder: Path) -> None:
     root = folder / "motionsync"
     # Compiled modules are copied, too: they are valid, since the files keep their times.
-    copytree(ROOT, root, ignore=ignore_patterns(".*", "new_block", "*.fmu"))
-    for file in listed():
-        (root / file).parent.mkdir(parents=True, exist_ok=True)
-        copyfile(NEW_BLOCK / file, root / file)
-    registry = root / "model" / "motionsync" / "blocks.py"
-    text = registry.read_text()
-    text = text.replace("from .synchronizer", f"{LINE}\n    from .synchronizer", 1)
-    registry.write_text(text.replace('        "Synchronizer"', f'        {ENTRY}\n        "Synchronizer"', 1))
-    front = (root / "README.md").read_text()
-    (root / "README.md").write_text(front.replace("| switch a slave", f"{ROW}\n| switch a slave", 1))
-    run(root, "-m", "tests.regenerate", "shifter")  # make references
-    run(root, "-m", "motionsync_fmu.pages.pictures", "docs", "Shifter")  # make pictures, which draws all blocks
+    copytree(ROOT, root, ignore=ignore_patterns(".*", "*.fmu"))
+    run(root, "-m", "tools.new_block", "Clamper")
+    (root / "benchmarks" / "cases" / "clamper.py").unlink()  # which is no duty
+    run(root, "-m", "tests.regenerate", "clamper")  # make references
+    run(root, "-m", "motionsync_fmu.pages.pictures", "docs", "Clamper")  # make pictures, which draws all blocks
 
 
 def run(root: Path, *command: str) -> str:
@@ -66,12 +56,39 @@ def run(root: Path, *command: str) -> str:
     return done.stdout
 
 
-def test_the_list_is_complete() -> None:
-    held = {str(p.relative_to(NEW_BLOCK)) for p in NEW_BLOCK.rglob("*") if p.is_file() and p.suffix != ".pyc"}
-    assert sorted(listed()) == sorted(held - {"conftest.py"})
-    contributing = (ROOT / "CONTRIBUTING.md").read_text()
-    assert LINE in contributing
-    assert ENTRY in contributing
+def test_the_files_of_a_new_block_are_those_of_the_list(tmp_path: Path) -> None:
+    for file in ("model/motionsync/blocks.py", "README.md"):
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        copyfile(ROOT / file, tmp_path / file)
+    *files, registry, front = write_block("WebGuide", tmp_path)
+    assert sorted(map(str, files)) == sorted(
+        file.replace("clamper", "web_guide").replace("Clamper", "WebGuide") for file in listed()
+    )
+    assert all((tmp_path / file).is_file() for file in files)
+    assert not [file for file in files if "shifter" in (tmp_path / file).read_text("utf-8").lower()]
+    before, after = ((root / registry).read_text().splitlines() for root in (ROOT, tmp_path))
+    assert [line.strip() for line in after if line not in before] == [
+        "from .web_guide.block import WebGuide as WebGuide",
+        '"WebGuide": ".web_guide.block",',
+    ]
+    assert "[`WebGuide`](model/motionsync/web_guide/README.md)" in (tmp_path / front).read_text("utf-8")
+    with pytest.raises(ValueError, match=r"NAME = WebGuide is not allowed: benchmarks/cases/web_guide\.py"):
+        write_block("WebGuide", tmp_path)  # what somebody has written is not written over
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("web guide", "it must be a word or several"),
+        ("webGuide", "it must be a word or several"),
+        ("", "it must be a word or several"),
+        ("Gearing", "there is such a block"),
+    ],
+)
+def test_a_name_that_a_block_cannot_have_is_refused(name: str, why: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=f"NAME = {name} is not allowed: {why}"):
+        write_block(name, tmp_path)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_new_block_has_the_style_and_the_types_of_the_others(copy: Path, tmp_path: Path) -> None:
@@ -88,7 +105,7 @@ def test_every_test_that_concerns_a_registered_block_passes(copy: Path, part: st
     of_fmus, left_out = ({copy / "tests" / name for name in names} for names in (OF_FMUS, LEFT_OUT))
     others = {*(copy / "tests").glob("*/"), *copy.glob("tests/test_*.py")} - of_fmus - left_out
     files = of_fmus if part == "of FMUs" else others
-    options = ("-q", "-p", "no:cacheprovider", "--registered", "Shifter", "--basetemp", str(tmp_path))
+    options = ("-q", "-p", "no:cacheprovider", "--registered", "Clamper", "--basetemp", str(tmp_path))
     output = run(copy, "-m", "pytest", *options, *map(str, sorted(files)))
     summary = output.splitlines()[-1]
     assert re.search(r"\b[1-9]\d+ passed", summary), output

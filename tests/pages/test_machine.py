@@ -168,7 +168,7 @@ def test_the_products_of_a_measured_line_do_not_follow_its_noise() -> None:
     one is over at 2200, that is at 4.4 s, and then the third one is determined."""
     scenario, _ = run("Follower/linear_wait_in_park")
     encoder = Encoder(resolution=0.05, noise=0.02, delay=0.002)
-    start = with_encoder(dict(scenario.start), encoder)
+    start = with_encoder(dict(scenario.start), encoder, scenario.recipe.variables)
     measured = replace(scenario, encoder=encoder, start=start, stop_time=4.6)
     recording = run_in_process(measured, measured.step_size)
     assert np.ptp(recording.values["master.smoothed_position"] - recording.master[:, 0]) > 0.02

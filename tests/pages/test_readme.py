@@ -29,7 +29,10 @@ from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
+from motionsync_fmu.pages.results import evaluate_run, write_results
 from motionsync_fmu.pages.state_diagram import read_diagram
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
 from tests.support.fmus import Fmus
 
@@ -190,13 +193,17 @@ def test_the_batch_example_with_a_file_fills_it(tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
+    (name,) = re.findall(r"`motionsync run (.*)`", FMPY)
+    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
+    recording = simulate(scenario, native, scenario.step_size)
+    folder = tmp_path / "build" / "reports" / name
+    write_results(evaluate_run(scenario, recording), scenario, recording, native, folder, report=False)
     (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", FMPY)
     words = shlex.split(line.replace("\\\n", " "))
     words[words.index("build/native/Synchronizer.fmu")] = str(native)
-    words[words.index("Synchronizer_out.csv")] = str(tmp_path / "out.csv")
     words[0] = str(Path(sys.executable).with_name("fmpy"))
-    subprocess.run(words, cwd=ROOT, check=True)
-    rows = (tmp_path / "out.csv").read_text().splitlines()
+    subprocess.run(words, cwd=tmp_path, check=True)
+    rows = (tmp_path / "Synchronizer_out.csv").read_text().splitlines()
     assert len(rows) == 802
     assert "each of the 801 communication points" in FMPY
 

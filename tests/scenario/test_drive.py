@@ -25,6 +25,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
 from tests.support.scenario_texts import FREE_SAW, write_scenario
+from tests.support.stored_references import keep
 
 FREE = FREE_SAW + 'follows = "slave.velocity"\ntime_constant = 0.3\n'
 COUPLED = """\
@@ -195,8 +196,8 @@ def test_the_oracle_finds_the_same_by_itself(limit: str, tmp_path: Path) -> None
     motions = [result.until(t) for t in recording.time.tolist()]
     expected = [(m.position, m.velocity, m.acceleration) for m in motions]
     np.testing.assert_allclose(recording.master[:, :3], expected, atol=1e-9, rtol=0.0)
-    files = regenerate.files(scenario.file)
-    _, *rows = files[tmp_path / "FlyingSaw_in.csv"].splitlines()
+    settled, _ = regenerate.with_reference(scenario.file)
+    _, *rows = inputs_csv(settled).splitlines()
     time, _, _, velocity, *_ = map(float, rows[31].split(","))
     assert (time, velocity) == pytest.approx((0.31, 100.0 * (1.0 - math.exp(-1.0))), abs=1e-10)
 
@@ -240,12 +241,13 @@ def numbers(text: str) -> Reals:
 
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_the_flagship_s_line_runs_as_the_oracle_s(step_size: float) -> None:
-    """The oracle has closed the loop by itself, and made the input file of it: time, the master and the commands."""
+    """The oracle has closed the loop by itself; the inputs of it are time, the master and the commands."""
     scenario = load_scenario(FLAGSHIP)
     recording = run_in_process(scenario, step_size)
     assert recording.script
     result = numbers(inputs_csv(scenario.with_recorded_inputs(recording.settings, recording.script)))
-    expected = numbers((FLAGSHIP.parent / "CutToLength_in.csv").read_text())
+    settled, _ = regenerate.with_reference(FLAGSHIP, keep)
+    expected = numbers(inputs_csv(settled))
     np.testing.assert_allclose(result, expected, atol=1e-7, rtol=0.0)
 
 

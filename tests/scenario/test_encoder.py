@@ -202,6 +202,47 @@ def test_start_values_of_the_file_are_taken(tmp_path: Path) -> None:
     assert not {"master.delay", "master.sample_time"} & {*other}
 
 
+SAW = """\
+title = "A saw that an encoder's accelerations would make overshoot"
+fmu = "FlyingSaw"
+stop_time = 2.5
+step_size = 0.001
+[start]
+"sync_mode.check_overshoot_velocity" = true
+"gear_in_pos.master_sync_position" = 1100.0
+"gear_in_pos.slave_sync_position" = 750.0
+[master]
+velocity = 437.7
+[encoder]
+resolution = 0.1
+[[set]]
+at = 0.2
+"gear_in_pos.execute" = true
+"""
+
+
+@pytest.mark.parametrize("mode", ["", '"master.input_mode" = "POSITION_ONLY"\n'])
+@pytest.mark.parametrize("resolution", [0.1, 0.05])
+def test_a_block_that_can_know_the_resolution_does(tmp_path: Path, mode: str, resolution: float) -> None:
+    """In every mode: the profile that does not overshoot is only planned if the master has no acceleration, and with
+    437.7 mm/s the second difference of the position at 0.2 s is one count. Other blocks have no place for it."""
+    text = SAW.replace("[start]\n", "[start]\n" + mode).replace("resolution = 0.1", f"resolution = {resolution}")
+    scenario = load(tmp_path, text)
+    assert scenario.start["master.encoder_scaling"] == resolution
+    assert "master.encoder_scaling" not in load(tmp_path).start
+    assert run_in_process(scenario, scenario.step_size).values["error_id"][-1] == 0
+    own = load(tmp_path, text.replace("[start]\n", '[start]\n"master.encoder_scaling" = 0.0\n'))
+    assert own.start["master.encoder_scaling"] == 0.0
+    assert run_in_process(own, own.step_size).values["error_id"][-1] == 0x42DF
+
+
+def test_a_resolution_that_is_varied_is_known(tmp_path: Path) -> None:
+    variation = ScenarioVariation(SAW, write_scenario(SAW, tmp_path))
+    target = variation.target("encoder.resolution")
+    for resolution in (0.2, 0.0, 1e-9):
+        assert variation.with_values([(target, resolution)]).start["master.encoder_scaling"] == resolution
+
+
 def test_the_line_is_followed_without_a_transient(tmp_path: Path) -> None:
     """An exact encoder, of a line with constant acceleration, which the file states: the block has the true motion."""
     text = without_noise().replace("scale = 1.0005\nrunout = { amplitude = 0.05, length = 500.0 }\n", "")

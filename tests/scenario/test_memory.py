@@ -21,6 +21,7 @@ POINTS = 20_000
 @pytest.mark.slow
 def test_a_recording_needs_its_numbers_and_files_a_few_rows(tmp_path: Path) -> None:
     s = load_scenario(scenario(str(tmp_path)))
+    run_in_process(s, s.stop_time / 10)  # what is imported and kept for all runs
     s = replace(s, step_size=s.stop_time / POINTS)
     tracemalloc.start()
     try:

@@ -24,6 +24,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
 from tests.support.scenario_texts import FREE_SAW, write_scenario
+from tests.support.stored_references import keep
 
 MOVING = FREE_SAW + "velocity = 500.0\n"
 FINE = 0.001
@@ -254,7 +255,9 @@ CYCLIC_CUT = ROOT / "scenarios" / "FlyingSaw" / "cyclic_cut" / "scenario.toml"
 
 
 def of_the_oracle(scenario: Scenario) -> str:
-    return (scenario.file.parent / f"{scenario.recipe.name}_in.csv").read_text()
+    """The inputs, with the reactions where the oracle finds them from its own trajectory."""
+    settled, _ = regenerate.with_reference(scenario.file, keep)
+    return inputs_csv(settled)
 
 
 def cyclic_cut(velocity: float, length: float, folder: Path) -> Scenario:
@@ -337,7 +340,6 @@ def test_the_cyclic_cut_takes_the_next_mark_on_its_way_home() -> None:
 
 @pytest.mark.parametrize("step_size", [0.01, 0.001, 0.007])
 def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
-    """The oracle has found them from its own trajectory, and has made the input file of them."""
     scenario = load_scenario(CYCLIC_CUT)
     assert scenario.reactions
     recording = run_in_process(scenario, step_size)

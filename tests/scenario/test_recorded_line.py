@@ -1,12 +1,16 @@
 """A line that was recorded: the file that [master] names, what the block gets of it, and mistakes in both."""
 
 import io
+import os
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
@@ -176,6 +180,17 @@ def test_the_shipped_recording_is_the_one_that_is_made() -> None:
         (ROWS.replace(",-5.0", ""), "trace.csv:5: position: '' is not a number"),
         ("t,x,y\n0,0,0\n", "trace.csv:1: there must be the columns time and position, not the columns t, x, y"),
         ("0,0,0\n1,0,0\n", "trace.csv:1: there must be the columns time and position, not 3 columns without names"),
+        (
+            "0,0\n5e-324,1\n",
+            "trace.csv:2: time = 4.940656458e-324 is not allowed: it must be > 0 + 1e-09, the time of the row before",
+        ),
+        (ROWS.replace("\n5.0", "\n-1e308"), "trace.csv:2: time = -1e+308 is not allowed: it must be -1e+12 to 1e+12"),
+        ("time,time,position\n0,0,0\n", "trace.csv:1: there are several columns 'time'"),
+        (
+            "time;position\n0,5;1.000\n",
+            "trace.csv:2: position: '1.000' is not a number; a comma is the decimal sign in this file",
+        ),
+        (ROWS.replace("5.0", '"' + "5" * 200_000), "trace.csv:2: field larger than field limit (131072)"),
         (ROWS.replace("5.3,", "5.29,"), "scenario.toml:10: file: trace.csv has 0.29 s, and stop_time = 0.3 is later"),
     ],
 )
@@ -189,7 +204,7 @@ def test_a_mistake_in_the_file_is_one_line_with_its_place(tmp_path: Path, rows: 
     ("old", "new", "message"),
     [
         ('"trace.csv"', '"no.csv"', "10: file: 'no.csv' cannot be read: No such file or directory"),
-        ('"trace.csv"', '"."', "10: file: '.' cannot be read: Is a directory"),
+        ('"trace.csv"', '"."', "10: file: '.' cannot be read: it is no file"),
         ('"trace.csv"', "3", "10: file: 3 is not a text"),
         (
             '"trace.csv"',
@@ -212,6 +227,131 @@ def test_a_mistake_in_the_table_is_one_line_with_its_place(tmp_path: Path, old: 
     with pytest.raises(UserError) as error:
         load(tmp_path, text=TEXT.replace(old, new))
     assert str(error.value) == f"{tmp_path}/scenario.toml:{message}"
+
+
+SHORT = TEXT.replace("stop_time = 0.3", "stop_time = 1e-9").replace("step_size = 0.01", "step_size = 1e-9")
+
+
+@given(
+    rows=st.lists(st.tuples(st.floats(1e-6, 1e6), st.floats(-1e12, 1e12)), min_size=2, max_size=8),
+    order=st.permutations(["time", "position", "load"]),
+    separator=st.sampled_from([",", ";", "\t"]),
+    comma=st.booleans(),
+    quote=st.sampled_from(["", '"']),
+    end=st.sampled_from(["\n", "\r\n", "\n\n", "\n \n"]),
+    mark=st.sampled_from(["", "\ufeff"]),
+)
+@settings(deadline=None)
+def test_every_form_of_a_file_has_the_numbers_that_were_written(
+    tmp_path_factory: pytest.TempPathFactory,
+    rows: list[tuple[float, float]],
+    order: list[str],
+    separator: str,
+    comma: bool,
+    quote: str,
+    end: str,
+    mark: str,
+) -> None:
+    """The digits of `repr` are those of one number alone. Between semicolons a comma may be the decimal sign."""
+    times = np.cumsum([step for step, _ in rows]).tolist()
+    cells = {"time": times, "position": [position for _, position in rows], "load": [0.5] * len(rows)}
+    lines = [separator.join(f"{quote}{name}{quote}" for name in order)]
+    for i in range(len(rows)):
+        texts = [repr(cells[name][i]) for name in order]
+        if comma and separator == ";":
+            texts = [text.replace(".", ",") for text in texts]
+        lines.append(separator.join(f"{quote}{text}{quote}" for text in texts))
+    folder = tmp_path_factory.mktemp("form")
+    (folder / "trace.csv").write_text(mark + end.join(lines) + end, "utf-8", newline="")
+    scenario = load_scenario(write_scenario(SHORT, folder))
+    assert [scenario.master.at(t - times[0]).position for t in times] == cells["position"]
+
+
+WORDS = st.sampled_from(
+    ["time", "position", "0", "0.1", "0,2", "1.5", "5e-324", "1e308", "-1e308", "nan", "inf", "1e13", "", " ", '"', "x"]
+)
+LINES = st.lists(st.tuples(st.lists(WORDS, max_size=4), st.sampled_from([",", ";", "\t"])), max_size=8)
+BYTES = st.binary(max_size=60) | LINES.map(
+    lambda lines: "\n".join(separator.join(cells) for cells, separator in lines).encode()
+)
+
+
+@given(BYTES, st.sampled_from(["csv", "parquet"]))
+@settings(deadline=None, max_examples=300)
+def test_any_file_is_a_finite_line_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, contents: bytes, kind: str
+) -> None:
+    folder = tmp_path_factory.getbasetemp()
+    (folder / f"trace.{kind}").write_bytes(contents)
+    file = write_scenario(SHORT.replace("csv", kind), folder)
+    try:
+        line = load_scenario(file).master
+    except UserError:
+        return
+    assert np.isfinite(line.table()).all()
+
+
+@given(
+    names=st.lists(st.sampled_from(["time", "position", "x"]), min_size=1, max_size=4),
+    rows=st.lists(st.floats() | st.none(), min_size=1, max_size=4),
+    kind=st.sampled_from(["float64", "float32", "string", "timestamp", "list", "bool"]),
+)
+@settings(deadline=None)
+def test_any_parquet_file_is_a_finite_line_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, names: list[str], rows: list[float | None], kind: str
+) -> None:
+    """Of one type, also none of numbers; names may be there twice."""
+    numbers = pa.array(rows, pa.float64())
+    columns = {
+        "float64": lambda: numbers,
+        "float32": lambda: numbers.cast(pa.float32(), safe=False),
+        "string": lambda: pa.array([str(row) for row in rows]),
+        "timestamp": lambda: pa.array(range(len(rows)), pa.timestamp("us")),
+        "list": lambda: pa.array([[row] for row in rows]),
+        "bool": lambda: pa.array([True] * len(rows)),
+    }
+    folder = tmp_path_factory.getbasetemp()
+    pq.write_table(pa.table([columns[kind]()] * len(names), names=names), folder / "trace.parquet")
+    try:
+        line = load_scenario(write_scenario(SHORT.replace("csv", "parquet"), folder)).master
+    except UserError:
+        return
+    assert np.isfinite(line.table()).all()
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes with a name")
+def test_what_is_no_file_is_refused_at_once(tmp_path: Path, kind: str) -> None:
+    """A pipe into which nobody writes would be waited for, for ever."""
+    os.mkfifo(tmp_path / f"trace.{kind}")
+    with pytest.raises(UserError, match=rf"file: 'trace\.{kind}' cannot be read: it is no file"):
+        load_scenario(write_scenario(TEXT.replace("csv", kind), tmp_path))
+
+
+@pytest.mark.parametrize("name", ["a\\u0000.csv", "\\u0000"])
+def test_a_name_that_no_file_can_have_is_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UserError, match=r"scenario\.toml:10: file: .* cannot be read: embedded null byte"):
+        load_scenario(write_scenario(TEXT.replace("trace.csv", name), tmp_path))
+
+
+def test_a_long_file_takes_the_memory_of_its_columns(tmp_path: Path) -> None:
+    """Time, position and the table of motions, which has four columns, are 8 bytes a row each; a Python number is 24,
+    and a row of a line's text is more. Half of that is allowed in addition, and 4 MB."""
+    count = 200_000
+    rows = "".join(f"{i / 1000},{i}\n" for i in range(count))
+    (tmp_path / "trace.csv").write_text(rows, "utf-8")
+    file = write_scenario(TEXT, tmp_path)
+    load_scenario(file)
+    os.utime(tmp_path / "trace.csv")  # it is read again
+    del rows
+    tracemalloc.start()
+    try:
+        scenario = load_scenario(file)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert scenario.master.at(150.0).position == pytest.approx(150_000.0)
+    assert peak < 1.5 * (2 + 4) * 8 * count + 4e6
 
 
 def test_a_file_that_is_no_text_or_no_parquet(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The scenarios through built FMUs, their cross-check files, and what their settings mean."""
+"""The scenarios through built FMUs, their references, FMPy's command line, and what their settings mean."""
 
 import csv
 import shlex
@@ -18,8 +18,8 @@ from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
-from motionsync_fmu.scenario.evaluate.reference_files import command_line, inputs_csv, inputs_file
+from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference, reference_file
+from motionsync_fmu.scenario.evaluate.reference_files import command_line, inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording
@@ -75,19 +75,18 @@ def test_a_scenario_is_kept_by_both_flavours_with_the_same_bits(block: str, fmus
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> None:
-    files = regenerate.files(folder / "scenario.toml", keep)
-    assert {file.name for file in files} == {f.name for f in folder.iterdir()} - {"scenario.toml", "trace.csv"}
-    for file, text in files.items():
-        assert file.read_text("utf-8") == text, f"{file.name} is not what `make references` writes"
+def test_the_reference_is_that_of_the_oracle(folder: Path) -> None:
+    scenario, text = regenerate.with_reference(folder / "scenario.toml", keep)
+    reference = reference_file(scenario)
+    assert {f.name for f in folder.iterdir()} - {"trace.csv"} == {"scenario.toml", reference.name}
+    assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
 
 
 @pytest.mark.parametrize("file", regenerate.examples(), ids=list(BLOCKS))
 def test_the_reference_of_an_example_is_that_of_the_oracle(file: Path) -> None:
-    files = regenerate.files(file, keep)
-    assert sorted(f.suffix for f in files) == [".csv", ".opt"]
-    for reference, text in files.items():
-        assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
+    scenario, text = regenerate.with_reference(file, keep)
+    reference = reference_file(scenario)
+    assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
 
 
 @pytest.mark.parametrize(
@@ -99,10 +98,12 @@ def test_the_reference_of_an_example_is_that_of_the_oracle(file: Path) -> None:
         ("end_of_step_inputs", 1),  # FMPy initializes with the first step's inputs, here the master at its end
     ],
 )
-def test_fmpy_alone_runs_a_scenario_from_its_files(name: str, first: int, native: Path, tmp_path: Path) -> None:
+def test_fmpy_alone_runs_a_scenario_from_its_inputs(name: str, first: int, native: Path, tmp_path: Path) -> None:
     """The command line that `motionsync run` prints, and the variables of the reference."""
     scenario = load_scenario(SCENARIOS / "Synchronizer" / name / "scenario.toml")
-    words = shlex.split(command_line(scenario, native, inputs_file(scenario)))
+    inputs = tmp_path / "inputs.csv"
+    inputs.write_text(inputs_csv(scenario))
+    words = shlex.split(command_line(scenario, native, inputs))
     assert words[:3] == ["fmpy", "simulate", str(native)]
     names = [d.name for d in compare_with_reference(scenario, simulate(scenario, native, scenario.step_size))]
     call = [str(Path(sys.executable).with_name("fmpy")), *words[1:], "--output-variables", *names]
@@ -124,12 +125,13 @@ def test_the_command_line_for_fmpy_quotes_paths_and_keeps_all_digits(tmp_path: P
     file.parent.mkdir()
     file.write_text(VALID.replace("stop_time = 4.0", "stop_time = 4.0000001").replace("0.01", "0.0123456789"))
     scenario = load_scenario(file)
-    words = shlex.split(command_line(scenario, tmp_path / "an FMU.fmu", inputs_file(scenario)))
+    inputs = file.with_name("inputs.csv")
+    words = shlex.split(command_line(scenario, tmp_path / "an FMU.fmu", inputs))
     assert words[2] == str(tmp_path / "an FMU.fmu")
     options = dict(zip(words[3::2], words[4::2], strict=False))
     assert float(options["--stop-time"]) == 4.0000001
     assert float(options["--output-interval"]) == 0.0123456789
-    assert str(file.parent / "Synchronizer_in.csv") in words
+    assert str(inputs) in words
 
 
 # --- many settings ---

@@ -68,7 +68,7 @@ def test_the_first_page_has_the_machine_and_the_two_commands(site: Site) -> None
     assert ("iframe", "explore/CutToLength.html") in first.addresses
     assert (site.folder / "explore" / "CutToLength.html").stat().st_size > 100_000
     assert any("make run" in code and "make test" in code for code in first.code)
-    assert ("img", "CutToLength.svg") in first.addresses
+    assert ("img", "first_picture.svg") in first.addresses
 
 
 def test_every_block_has_a_page(site: Site) -> None:

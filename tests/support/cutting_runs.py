@@ -8,7 +8,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.faults import MarkRefusal, PieceFault
 from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.master import MasterInput
 from tests.support.masters import INPUT_MODES
@@ -31,6 +31,7 @@ COMMANDS: Mapping[str, tuple[float, float]] = {
     "clear_statistics": (0.002, 0.05),
 }
 FILLED_QUEUES = ("mark.detected", "order.add")  # commands that come oftener than others as what a run is about
+LATCHED = (0.0,) * 12 + (-0.01,) * 6 + (-4.0, 1e5)  # how far from the master a mark is latched, in lengths
 FAULT = -1  # the state in which a fault is present
 INVALID_VALUES = (-1.0, math.nan, math.inf, 2e12)
 INVALID_CHOICES = ("start_mode", "change_mode", "late_mode")
@@ -83,7 +84,7 @@ class CuttingMachine:
             "order.quantity": r.choice((1, 1, 2, 3, 0)),
             "hold": r.random() < 0.1,
             "waste": r.random() < 0.2,
-            "calibration.measured_length": length * r.choice((1.01, 0.99, 0.0)),
+            "calibration.measured_length": length * r.choice((1.01, 0.99, 0.0, 3.0)),
         }
 
     def new_settings(self, r: Random, length: float, duration: float) -> dict[str, Any]:
@@ -109,7 +110,7 @@ def random_settings(r: Random, length: float, duration: float) -> dict[str, Any]
         "start_mode": r.choice((1, 2, 3)),
         "change_mode": r.choice((1, 2)),
         "late_mode": r.choice(list(LateMode)),
-        "front_position": length * r.choice((0.0, 0.1)),
+        "front_position": length * r.choice((0.0, 0.1, -3.0)),
         "trim_length": length * r.choice((0.0, 0.5)),
         "sample_length": length * r.choice((0.8, 1.2)),
         "waste_length": length * r.choice((0.6, 0.9)),
@@ -193,7 +194,7 @@ def _steps(
             "master.velocity": velocity,
             "master.acceleration": acceleration,
             **levels,
-            "mark.position": position - line * duration * r.choice((0.0, 0.0, 0.01)),
+            "mark.position": position + length * r.choice(LATCHED),
             **to_restore,
         }
         to_restore = {}
@@ -229,6 +230,9 @@ def features(block: Any) -> set[Any]:
         ("made", block.last.kind),
         ("late", block.late_mode if block.statistics.late > 0 else None),
         ("out of sync", block.statistics.unsynchronised > 0),
+        ("exceeded", block.local.exceeded_limit),
+        ("refused mark", block.local.mark_refusal),
+        ("skipped", block.local.skip_reason),
         ("stopping in fault", block.state == FAULT and block.slave.velocity != 0.0),
         ("batch", block.batch_done),
         ("order", block.order.completed > 0),
@@ -245,6 +249,7 @@ def required_features(state: type[Any], warnings: type[Any]) -> set[Any]:
         *(("fault", fault) for fault in PieceFault),
         *(("piece", kind) for kind in PieceKind),
         *(("made", kind) for kind in PieceKind),
+        *(("refused mark", reason) for reason in MarkRefusal),
         *((name, True) for name in ("out of sync", "stopping in fault", "batch", "order", "marks")),
         *(("warning", field.name) for field in fields(warnings)),
         ("late", LateMode.LATE),

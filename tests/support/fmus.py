@@ -37,7 +37,7 @@ class Shared:
 def build_for_host(flavour: Flavour, recipe: Recipe, target: Path) -> Path:
     """Build an FMU that need not run anywhere else: the native one for this machine alone, if it is a platform."""
     platform = host_platform(recipe.fmi) if flavour == Flavour.NATIVE else None
-    return build(recipe, target, BuildOptions(flavour, [platform] if platform else ()))
+    return build(recipe, target, BuildOptions(flavour, platforms=[platform] if platform else ()))
 
 
 class Fmus:

@@ -38,7 +38,7 @@ def assert_same(first: Recording, second: Recording) -> None:
     assert list(first.unmet) == list(second.unmet)
     assert first.script
     assert second.script
-    assert (first.script.breaks, first.script.motions) == (second.script.breaks, second.script.motions)
+    assert (list(first.script.breaks), first.script.motions) == (list(second.script.breaks), second.script.motions)
 
 
 def assert_as_in_python(scenario: Scenario) -> ScriptedRun:

@@ -131,7 +131,7 @@ def host_program(target: str, fmi: Fmi) -> Path:
     program = folder / f"replay{'.exe' if system == 'windows' else ''}"
     if not program.exists():
         with paths.replace_files(folder) as part:
-            output = [f"-I{HEADERS}", "-o", str(part / program.name)]
+            output = [f"-I{HEADERS}", "-o", str(part(program.name))]
             subprocess.run([*compiler, *output, *map(str, sources)], check=True)
     return program
 

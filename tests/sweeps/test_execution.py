@@ -61,7 +61,7 @@ def test_only_what_is_missing_is_done(tmp_path: Path) -> None:
     execute(Tiny(25, 10), tmp_path, squares, workers=1)
     before = contents(tmp_path)
     (tmp_path / "part-000001.parquet").unlink()
-    (tmp_path / "part-000001.parquet.0123.tmp").write_bytes(b"a worker was killed here")
+    (tmp_path / "part-000001.parquet.0123.part").write_bytes(b"a worker was killed here")
     reported: list[tuple[int, int]] = []
     execute(Tiny(25), tmp_path, squares, workers=1, progress=lambda *done: reported.append(done))
     assert reported == [(15, 25), (25, 25)]
@@ -118,6 +118,19 @@ def test_a_worker_that_is_killed_costs_its_chunk_alone(tmp_path: Path) -> None:
     assert len(killed) == 1
     execute(SLOW, tmp_path / "b", squares, workers=1)
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
+
+
+@pytest.mark.slow
+def test_no_other_computer_reaches_what_a_sweep_of_this_one_listens_to(tmp_path: Path) -> None:
+    heard: set[str] = set()
+
+    def look(done: int, runs: int) -> None:
+        processes = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        sockets = [c for process in processes for c in process.net_connections("inet")]
+        heard.update(c.laddr.ip for c in sockets if c.status == psutil.CONN_LISTEN)
+
+    execute(SLOW, tmp_path, squares, workers=2, progress=look)
+    assert heard == {"127.0.0.1"}
 
 
 @pytest.mark.slow

@@ -259,8 +259,10 @@ def test_a_damaged_plan_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.touch()
     with pytest.raises(UserError, match="the plan cannot be written"):
-        saw("length=400").write(tmp_path / "missing")
+        saw("length=400").write(file)
 
 
 def test_what_differs_is_reported_in_one_sentence() -> None:

@@ -30,7 +30,7 @@ from tools.site.pages import made_pages
 TEMPLATES = Path(__file__).parent / "templates"
 UNIT = "mm"  # in which the tables give positions
 FILES = re.compile("|".join(map(re.escape, made_pages().values())))
-TO_USUAL_END = re.compile(r"(\S+) to 1e\+12$")
+TO_USUAL_END = re.compile(r"(\S+) to (?:1e\+12|2147483647)$")
 PARAGRAPH_AS_IT_IS = "\b"  # click's mark of a paragraph whose lines are not joined
 
 

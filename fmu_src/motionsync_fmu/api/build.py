@@ -47,6 +47,7 @@ def build(
     as_parameter: Names = (),
     as_local: Names = (),
     output: str | Path | None = None,
+    terminals: bool = False,
     sources: bool = False,
     wasm: bool = False,
     force: bool = False,
@@ -70,6 +71,7 @@ def build(
         as_parameter: those that become parameters.
         as_local: those that become local variables.
         output: the folder for the FMUs, `<flavour>/<block>.fmu`, of FMI 3.0 `fmi3/<block>.fmu`; by default `build`.
+        terminals: say in an FMU of FMI 2.0, too, which variables are wired together.
         sources: add the C code, for any other processor; of the native flavour.
         wasm: add a WebAssembly component, of FMI 3.0.
         force: build FMUs that are up to date, too.
@@ -108,7 +110,8 @@ def build(
         [
             _RequestedBuild(recipe, fmu_path(recipe, folder, options.flavour), options, force)
             for recipe in recipes
-            for options in (BuildOptions(each, (), sources and each == Flavour.NATIVE, wasm) for each in chosen)
+            for each in chosen
+            for options in [BuildOptions(each, terminals, (), sources and each == Flavour.NATIVE, wasm)]
         ],
         shown(report),
         finished,
@@ -147,7 +150,7 @@ class _RequestedBuild:
     def is_up_to_date(self) -> bool:
         if self.force or why_outdated(self.target, self.recipe):
             return False
-        return optional_contents(self.target) == (self.options.with_sources, self.options.with_component)
+        return optional_contents(self.target) == self.options.optional_contents(self.recipe.fmi)
 
     def start(self) -> Finish:
         """Start the build: zig compiles this FMU while the previous one is finished."""

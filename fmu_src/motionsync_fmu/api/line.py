@@ -28,8 +28,7 @@ def line(
 ) -> LineOutcome:
     """Wire a remote axis through RemoteSync into a follower, and compute its errors with and without RemoteSync.
 
-    The line runs in FMPy's SSP simulation, and in libcosim if that is installed. FMUs that are missing or stale are
-    built first.
+    The line runs in FMPy's SSP simulation. FMUs that are missing or stale are built first.
 
     Args:
         line: its file, its short name (`"line/line.toml"`), or a loaded line.

@@ -23,6 +23,7 @@ def new(
     line_speed: Quantity | None = None,
     stroke: Quantity | None = None,
     circumference: Quantity | None = None,
+    blades: int | str | None = None,
     max_velocity: Quantity | None = None,
     max_acceleration: Quantity | None = None,
     cut_time: Quantity | None = None,
@@ -38,6 +39,7 @@ def new(
         line_speed: how fast the line, or the master, runs.
         stroke: how far the carriage of a saw can travel from its home.
         circumference: of a RotaryKnife, that of the circle on which the edges run.
+        blades: how many blades a RotaryKnife has, evenly spaced.
         max_velocity: of the slave's axis.
         max_acceleration: of the slave's axis, and its deceleration.
         cut_time: how long a cut of a CutToLength takes.
@@ -53,6 +55,7 @@ def new(
         "line_speed": line_speed,
         "stroke": stroke,
         "circumference": circumference,
+        "blades": blades,
         "max_velocity": max_velocity,
         "max_acceleration": max_acceleration,
         "cut_time": cut_time,

@@ -21,7 +21,8 @@ from ..paths import replace_file
 from ..scenario.evaluate.axis_figures import LoadFigures
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome
-from ..scenario.evaluate.reference_files import csv_text, options_text
+from ..scenario.evaluate.reference_comparison import reference_file
+from ..scenario.evaluate.reference_files import csv_text
 from ..scenario.evaluate.true_pieces import TruePieces
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate
@@ -166,14 +167,14 @@ class RunResult:
         """
         return write_results(self.outcome, self.scenario, self.recording, self.fmu, Path(folder), report=report)
 
-    def write_reference(self, *names: str, tolerance: float = 1e-6) -> Path:
+    def write_reference(self, *names: str) -> Path:
         """Write columns beside the scenario's file, as the reference of its later runs; return the file.
 
-        `run` compares each later run with it, and fails a variable that is further off. Look at the run first.
+        `run` compares each later run with it, and fails a variable that is further off than the file's `tolerance`
+        allows. Look at the run first.
 
         Args:
             names: outputs or local variables; by default the slave's position and velocity.
-            tolerance: relative to the greatest magnitude of each variable, at least 1.
 
         Raises:
             UserError: there is no such variable, or the run is not that of a scenario's file with its own values.
@@ -184,10 +185,9 @@ class RunResult:
         listed = names or ("slave.position", "slave.velocity")
         columns = [choose(self.recording.columns, name, "variable with values over time") for name in listed]
         rows = zip(self.time.tolist(), *(column.tolist() for column in columns), strict=True)
-        file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
+        file = reference_file(scenario)
         with replace_file(file) as part:
             part.write_text(csv_text(["time", *listed], rows), "utf-8")
-        file.with_suffix(".opt").write_text(options_text(replace(scenario, tolerance=tolerance)), "utf-8")
         return file
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ import tomli_w
 from ..errors import UserError
 from ..scenario.files.reader import MOST_STEPS, read_scenario_text
 from ..scenario.files.shipped import SCENARIO_FILE, find_scenario
-from ..scenario.files.toml_tables import read_file
+from ..scenario.files.toml_tables import read_file, writable
 from ..scenario.scenario import Scenario
 
 Source = str | Path | Mapping[str, Any] | Scenario
@@ -61,8 +61,8 @@ def with_step_size(scenario: Scenario, step_size: float) -> Scenario:
 def _text_of(source: str | Path | Mapping[str, Any]) -> tuple[str, Path]:
     """The text of a scenario's file, and the file; that of a mapping is named after its title, and does not exist."""
     if isinstance(source, Mapping):
-        text = tomli_w.dumps(_plain(source))
-        return text, Path(str(source.get("title", "scenario")).replace("/", "-"), SCENARIO_FILE)
+        top = _plain(source)
+        return tomli_w.dumps(top), Path(str(top.get("title", "scenario")).replace("/", "-"), SCENARIO_FILE)
     file = find_scenario(Path(source))
     return read_file(file), file
 
@@ -78,10 +78,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
     if isinstance(value, str | bool | int | float):
-        return value
+        return writable(value)
     raise UserError(f"{value!r} is not allowed in a scenario: it must be a number, a text, true or false")
 
 
 def literal(value: Value) -> str:
     """A value as a scenario's file has it; a number has all its digits."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return str(value).lower() if isinstance(value, bool) else str(writable(value))

@@ -43,6 +43,7 @@ COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 CACHE_ERRORS = (OSError, RuntimeError)  # the cache cannot be read, written or locked, or there is no folder for it
+PRIVATE = 0o600  # the mode of a library's file: it is run
 LOCK_TIMEOUT = 300.0  # s; other processes do not wait longer for one that compiles
 
 _libraries: dict[type[Any], CDLL] = {}
@@ -81,7 +82,7 @@ def _load_from_cache(prefix: str) -> CDLL | None:
     """The library whose file's name has that prefix, if it is in the cache and undamaged."""
     with suppress(*CACHE_ERRORS):
         for file in _folder().glob(f"{prefix}*{SUFFIX}"):
-            if file.name == _file_name(prefix, file.read_bytes()):
+            if paths.is_own(file) and file.name == _file_name(prefix, file.read_bytes()):
                 return CDLL(str(file))
     return None
 
@@ -97,6 +98,7 @@ def _compile_into_cache(block_type: type[Any], prefix: str) -> CDLL:
         target = folder / _file_name(prefix, contents)
         with paths.replace_file(target) as part:
             part.write_bytes(contents)
+            part.chmod(PRIVATE)
         return CDLL(str(target))
     return _load(contents)
 
@@ -108,13 +110,12 @@ def _lock_block(name: str) -> Iterator[None]:
     The operating system ends the lock of a process that dies."""
     with ExitStack() as stack:
         with suppress(*CACHE_ERRORS):
-            _folder().mkdir(parents=True, exist_ok=True)
             stack.enter_context(FileLock(_folder() / f"{name}.lock", LOCK_TIMEOUT))
         yield
 
 
 def _folder() -> Path:
-    return paths.cache_folder() / "blocks"
+    return paths.own_cache("blocks")
 
 
 def _hash_sources() -> str:

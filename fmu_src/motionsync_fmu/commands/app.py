@@ -28,7 +28,6 @@ COMMANDS = {  # each with its line in the help; its module in this package has t
     "sweep-plot": "Write a page about a sweep's rows.",
     "search": "Find where in a range a run starts to succeed.",
     "error": "Explain a fault code.",
-    "export-crosscheck": "Write models for the FMI cross-check.",
 }
 
 

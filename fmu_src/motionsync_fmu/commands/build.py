@@ -48,6 +48,10 @@ def command(
         Path | None,
         typer.Option(help="Target of the FMUs: OUTPUT/FLAVOUR/FMU.fmu, OUTPUT/fmi3/FMU.fmu; else in build."),
     ] = None,
+    terminals: Annotated[
+        bool,
+        typer.Option("--terminals", help="Add terminals to FMUs of FMI 2.0, too: FMILibrary 3 logs an error on them."),
+    ] = False,
     sources: Annotated[
         bool, typer.Option("--sources", help="Add the C code to the FMU, for any other processor; native flavour.")
     ] = False,
@@ -93,6 +97,7 @@ def command(
         as_parameter=as_parameter or [],
         as_local=as_local or [],
         output=output,
+        terminals=terminals,
         sources=sources,
         wasm=wasm,
         force=force,

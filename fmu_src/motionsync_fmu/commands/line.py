@@ -30,9 +30,8 @@ def command(
     """Wire a remote axis through RemoteSync into a follower, and report the errors with and without RemoteSync.
 
     A line file scripts an axis on another controller with a clock of its own. Its telegrams go through the FMU of
-    RemoteSync into that of a follower (FlyingSaw, Synchronizer, CutToLength, ...), wired twice: as an SSP package, run
-    by FMPy's SSP simulation, and as an OSP system structure, run by libcosim (if libcosimpy is installed). Both must
-    agree. For comparison the follower also sees the raw telegrams, and other estimators.
+    RemoteSync into that of a follower (FlyingSaw, Synchronizer, CutToLength, ...), wired in an SSP package, which runs
+    in FMPy's SSP simulation. For comparison the follower also sees the raw telegrams, and other estimators.
 
     FMUs that are missing or stale are built first. The exit status is 1 if anything was not as expected. The format of
     the file is described in scenarios/line/README.md.

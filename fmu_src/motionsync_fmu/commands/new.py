@@ -22,6 +22,9 @@ def command(
     circumference: Annotated[
         str | None, typer.Option(metavar="MM", help="Of the circle on which a rotary knife's edges run.")
     ] = None,
+    blades: Annotated[
+        str | None, typer.Option(metavar="N", help="How many blades a rotary knife has, evenly spaced.")
+    ] = None,
     max_velocity: Annotated[str | None, typer.Option(metavar="MM/S", help="How fast the axis can be.")] = None,
     max_acceleration: Annotated[
         str | None, typer.Option(metavar="MM/S2", help="How fast the axis can accelerate and brake.")
@@ -40,7 +43,7 @@ def command(
         motionsync new CutToLength tube --length 6000 --line-speed "40 m/min" --stroke 5000 --max-velocity 2000 \
 --max-acceleration 4000 --cut-time 2
 
-        motionsync new RotaryKnife my_knife --length 600 --line-speed "100 m/min" --circumference 500
+        motionsync new RotaryKnife my_knife --length 600 --line-speed "100 m/min" --circumference 500 --blades 2
     """
     from ..api.new import new
 
@@ -49,6 +52,7 @@ def command(
         "line_speed": line_speed,
         "stroke": stroke,
         "circumference": circumference,
+        "blades": blades,
         "max_velocity": max_velocity,
         "max_acceleration": max_acceleration,
         "cut_time": cut_time,

@@ -175,8 +175,8 @@ def _axis(s: Scenario) -> str:
 
 def _recorded(s: Scenario) -> dict[str, Any]:
     """A recorded line: its rows, with unwrapped positions, and the velocity with which it starts."""
-    positions = [m.position for m in s.master.motions]
-    return {"times": s.master.breaks, "positions": positions, "velocity": s.master.initial.velocity}
+    times, positions = np.array(s.master.breaks).tolist(), s.master.table()[:, 0].tolist()
+    return {"times": times, "positions": positions, "velocity": s.master.initial.velocity}
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:

@@ -4,7 +4,7 @@
 const PROGRAM = "program"; // the choice of the block's own program
 const REFRESH = 120; // ms: the table of all values is slow to draw
 const SETTLED = 200; // ms without a change, after which the address follows: browsers allow few changes of it
-const LINE_VELOCITY = "master.velocity"; // among the main values: that with which the line starts
+const LINE_VELOCITY = "master.velocity"; // among the main values: that with which the line starts, or to which it ramps up from rest
 
 /** The block: what the page knows of it, its variables by name, the running unit. */
 let block, variables, unit;
@@ -133,9 +133,9 @@ function variable(name, values, first, {slider = true, ...limits} = {}) {
 }
 
 /** A control of a number that is no variable of the block; `firsts`: the values as they were. */
-function plainNumber(label, description, [values, firsts], name, {of = "NONE", slider = true, ...limits} = {}) {
+function plainNumber(label, description, [values, firsts], name, {of = "NONE", slider = true, changed = update, ...limits} = {}) {
   const about = {kind: "Real", label, description, unit: block.units[scenario.units][of] ?? of, ...limits};
-  return control(about, values, name, {first: firsts[name] ?? values[name], usual: slider ? usual(of) : 0, changed: update});
+  return control(about, values, name, {first: firsts[name] ?? values[name], usual: slider ? usual(of) : 0, changed});
 }
 
 function controls() {
@@ -154,7 +154,7 @@ function controls() {
   $("groups").replaceChildren(
     ...group("Main values", block.main.flatMap(mainRows)),
     ...group("Marks", marks),
-    ...group(scenario.remote ? "The remote axis" : "The master", [...switchRows(), ...axisRows()]),
+    ...group(scenario.remote ? "The remote axis" : "The master", [...switchRows(), newElement("div", {id: "axis-rows"}, ...axisRows())]),
     ...group("Start values", [...starts, another("Another one", startable(scenario), addStart)]),
     ...commandGroup(),
     ...group("Reactions", scenario.reactions.map(reactionRow), false),
@@ -172,7 +172,7 @@ function startable(of) {
 function mainRows(name) {
   const {cuts, axis} = scenario, driven = $("scenario").value === PROGRAM;
   if (name === MARKS) return cuts.length && !driven ? [plainNumber(MARKS, OF_MARKS, [cuts, untouched.cuts], "length", {of: "POSITION"})] : [];
-  if (name === LINE_VELOCITY) return hasScript() ? [plainNumber(name, "of the line, at the beginning", [axis, untouched.axis], "velocity", {of: "VELOCITY"})] : [];
+  if (name === LINE_VELOCITY) return hasScript() ? [lineVelocity()] : [];
   const settings = scenario.settings.filter((s) => name in s.values).sort((a, b) => a.at - b.at);
   const rows = settings.map((s) => variable(name, s.values, firstOf(s)[name], {moment: `at ${s.at} s`}));
   const isReplaced = settings.length > 0 && !untouched.start[name]; // not given, or 0: a mere beginning
@@ -182,11 +182,33 @@ function mainRows(name) {
 /** Whether the line runs along a script, from a velocity that can be chosen. */
 const hasScript = () => !scenario.remote && !scenario.drive && !scenario.axis.times;
 
+/** Whether the line starts from rest, and is described by the velocity to which it ramps up. */
+const ramps = () => hasScript() && !untouched.axis.velocity && rampEnd(untouched.axis) !== null;
+
+/** The velocity of the line: that with which it starts, or that to which it ramps up. */
+function lineVelocity() {
+  const {axis} = scenario, about = {of: "VELOCITY"};
+  if (!ramps()) return plainNumber(LINE_VELOCITY, "of the line, at the beginning", [axis, untouched.axis], "velocity", about);
+  const {at: t, velocity} = rampEnd(untouched.axis), present = {velocity: new Script(axis).at(t)[1]};
+  const description = "of the line, at the end of its first ramp: all its velocities change in proportion, at the same times";
+  const row = plainNumber(LINE_VELOCITY, description, [present, {velocity}], "velocity", {
+    ...about,
+    moment: `from ${decimal(t)} s on`,
+    changed: () => {
+      scaleTo(axis, untouched.axis, present.velocity);
+      $("axis-rows").replaceChildren(...axisRows());
+      update();
+    },
+  });
+  row.id = "line-velocity";
+  return row;
+}
+
 /** What a setting was before it was changed. */
 const firstOf = (s) => untouched.settings.find(({at: t}) => t === s.at)?.values ?? {};
 
 function addStart(name) {
-  const present = withMeasuredInputs(scenario).start[name] ?? variables.get(name).start;
+  const present = withMeasuredInputs(scenario, block.variables).start[name] ?? variables.get(name).start;
   scenario.start[name] = untouched.start[name] = present; // it changes nothing
   controls();
 }
@@ -263,14 +285,18 @@ function axisRows() {
   const {axis, remote, drive} = scenario, first = untouched.axis, rows = [];
   if (axis.times) return [newElement("p", {className: "soft"}, "The line is recorded: measured positions, and straight lines between them.")];
   const of = {position: "POSITION", velocity: "VELOCITY", acceleration: "ACCELERATION", jerk: "JERK", duration: "s"};
+  const changed = () => {
+    $("line-velocity")?.replaceWith(lineVelocity());
+    update();
+  };
   for (const name of ["position", "velocity"]) {
-    if (name === "velocity" && isMain(LINE_VELOCITY) && hasScript()) continue; // it is above
-    rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name]}));
+    if (name === "velocity" && isMain(LINE_VELOCITY) && hasScript() && !ramps()) continue; // it is above
+    rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name], changed}));
   }
   const segments = (axis.segments ?? []).flatMap((segment, i) => {
     const both = [segment, first.segments[i]], limits = (name) => (name === "duration" ? {min: 0, above: 0} : {});
     const row = (name) =>
-      plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, both, name, {of: of[name], ...limits(name)});
+      plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, both, name, {of: of[name], changed, ...limits(name)});
     return Object.keys(segment).map(row);
   });
   rows.push(...group("Segments", segments, segments.length < 4));
@@ -500,7 +526,7 @@ const place = (t) => Math.max(bisect(course.time, t + block.runner.close, true) 
 
 /** Show the last run, if there is one; `lines`: what the block has logged of a run that could not start. */
 function show(lines) {
-  showKey(course?.scenario ?? withMeasuredInputs(scenario));
+  showKey(course?.scenario ?? withMeasuredInputs(scenario, block.variables));
   if (!stale || !course) window.motionsyncMachine.load(course && sceneOf(course, block));
   const none = stale ? "Nothing has run." : "The block has logged nothing.";
   $("log").replaceChildren(...listOf(stale ? lines : messagesOf(course, block), none, point));

@@ -378,7 +378,7 @@ function cylinder(run, picture) {
     turn,
     circumference,
     blades,
-    park,
+    park: park || (0.5 * turn) / blades,
     ratio,
     sync: Object.fromEntries(["before", "after", "overspeed"].map((key) => [key, run.signal(picture[key])])),
     along_material: run.start(name) === run.declared.get(name).choices.find(([, text]) => text === member)[0],

@@ -2,7 +2,8 @@
 
 - `scenario`: the name of the scenario that the page opens with; without it, the block's example.
 - `main`: what is most worth changing, the first thing first: inputs and parameters; `master.velocity`, with which the
-  line starts; `cuts.length`, the distance of the scenario's marks. The page has these at the top, with sliders.
+  line starts, or to which it ramps up from rest; `cuts.length`, the distance of the scenario's marks. The page has them
+  at the top, with sliders.
 """
 
 from dataclasses import dataclass

@@ -102,7 +102,7 @@ class Course {
  * step; then `refused` is true, and the last line has the reason.
  */
 function run(unit, described, {cycle = null, normals = {}, storage = null} = {}) {
-  const scenario = withMeasuredInputs(described), {step_size: h, stop_time: stop} = scenario;
+  const scenario = withMeasuredInputs(described, unit.variables), {step_size: h, stop_time: stop} = scenario;
   if (!(stop / h <= MOST_STEPS)) {
     throw new Error(`step_size = ${h} is not allowed: it must be >= ${stop / MOST_STEPS}, for at most ${MOST_STEPS} steps up to ${stop} s`);
   }

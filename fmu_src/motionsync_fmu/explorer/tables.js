@@ -7,6 +7,7 @@ const DECIMALS_UNIT = 1e12; // of a scan's time in s: so many of its last decima
 const LONG = 8192; // s; from here on, neighbouring numbers are more than a unit of the last decimal apart
 const INPUT_MODE = "master.input_mode", END_OF_STEP = 2, MEASURED = 4;
 const OF_ENCODER = {"master.delay": "delay", "master.sample_time": "sample_time"}; // what the block has to know of it
+const SCALING = "master.encoder_scaling"; // not all blocks have it
 const PAGE = 65536; // bytes that memory grows by
 const MOTION = ["position", "velocity", "acceleration"]; // of an axis
 
@@ -123,6 +124,20 @@ class Script {
     const i = Math.max(bisect(this.breaks, t, true) - 1, 0);
     return Script.after(this.motions[i], t - this.breaks[i]);
   }
+}
+
+/** When a line first runs evenly, and its velocity then; null: it never does. */
+function rampEnd(axis) {
+  const {motions, breaks} = new Script(axis), i = motions.findIndex(([, velocity, ...others]) => velocity && others.every((x) => x === 0));
+  return i < 0 ? null : {at: breaks[i], velocity: motions[i][1]};
+}
+
+/** Let a line ramp up to another velocity than the original one does: with all its ramps in proportion, at the same times. */
+function scaleTo(axis, original, velocity) {
+  const scaled = (x) => (x * (velocity - (axis.velocity ?? 0))) / rampEnd(original).velocity;
+  original.segments.forEach((segment, i) => {
+    for (const name of ["velocity", "acceleration", "jerk"]) if (name in segment) axis.segments[i][name] = scaled(segment[name]);
+  });
 }
 
 // --- telegrams ---
@@ -337,10 +352,11 @@ function axisTables(unit, scenario, {axis, telegrams, scans}) {
   };
 }
 
-/** The scenario with the start values of a block that takes what its encoder measures, unless it has others. */
-function withMeasuredInputs(scenario) {
+/** The scenario with the start values of a block with these variables that takes what its encoder measures, unless it has others. */
+function withMeasuredInputs(scenario, variables) {
   const {encoder, start} = scenario, values = {[INPUT_MODE]: MEASURED};
   if (!encoder) return scenario;
+  if (variables.some(({name}) => name === SCALING)) values[SCALING] = encoder.resolution;
   if ((start[INPUT_MODE] ?? MEASURED) === MEASURED) {
     for (const [name, key] of Object.entries(OF_ENCODER)) values[name] = encoder[key];
   }

@@ -44,6 +44,7 @@ else:
 Progress = Callable[[str], None]  # gets lines of text if a build takes long
 Finish = Callable[[Path, Progress], Path]  # completes a build that has been started: writes the FMU to a path
 
+TERMINALS = f"{FOLDER}/terminalsAndIcons.xml"
 LICENCE = "documentation/licenses/license.txt"  # FMI 3.0 demands this name
 NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
 NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
@@ -61,16 +62,24 @@ class BuildOptions:
     """What an FMU holds for the same recipe.
 
     Attributes:
-        flavour: how the block gets into the FMU; what follows applies to the native flavour only.
+        flavour: how the block gets into the FMU.
+        with_terminals: whether an FMU of FMI 2.0 says what is wired together; one of FMI 3.0 always does. FMI 2.0.4
+            allows it, but FMILibrary 3, and what uses it, logs an error about the version of that file. What follows
+            applies to the native flavour only.
         platforms: those for which the FMU has a library; none: all.
         with_sources: whether the C that the libraries are compiled from is in the FMU, too.
         with_component: whether a WebAssembly component is in it, of FMI 3.0 only.
     """
 
     flavour: Flavour = Flavour.NATIVE
+    with_terminals: bool = False
     platforms: Sequence[Platform] = ()
     with_sources: bool = False
     with_component: bool = False
+
+    def optional_contents(self, fmi: Fmi) -> tuple[bool, bool, bool]:
+        """Whether an FMU of this version has terminals, its C, and the unit as a WebAssembly component."""
+        return self.with_terminals or fmi == Fmi.THREE, self.with_sources, self.with_component
 
 
 NATIVE = BuildOptions()
@@ -97,10 +106,10 @@ def start_build(recipe: Recipe, options: BuildOptions = NATIVE) -> Finish:
     """
     if options.flavour == Flavour.NATIVE:
         return NativeBuild(recipe, options).finish
-    return lambda target, progress: build_python(recipe, target)
+    return lambda target, progress: build_python(recipe, target, options.with_terminals)
 
 
-def build_python(recipe: Recipe, target: Path) -> Path:
+def build_python(recipe: Recipe, target: Path, with_terminals: bool = False) -> Path:
     """Build the FMU with PythonFMU's library, PythonFMU itself and motionsync's sources.
 
     All FMUs of a process share one interpreter, and therefore one `sys.modules`. For this reason the names of
@@ -131,7 +140,8 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     for library in libraries:
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files[LICENCE] = join_in_sections(licences("motionsync", "pythonfmu"))
-    files |= _documents(recipe, Flavour.PYTHON, (library.parent.name for library in libraries), ())
+    folders = (library.parent.name for library in libraries)
+    files |= _documents(recipe, BuildOptions(Flavour.PYTHON, with_terminals), folders, ())
     return write_zip(target, files | _descriptions(recipe, OWN_MEMORY, ()))
 
 
@@ -173,7 +183,7 @@ class NativeBuild:
         c_files = unit_sources.c_names(self.unit) if options.with_sources else ()
         folders = [*(platform.folder for platform in self.platforms), *([WASM] if options.with_component else [])]
         with self.compilation:
-            files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
+            files = _documents(recipe, options, folders, c_files) | self.compilation.libraries(progress)
         if options.with_component:
             files |= component.component_files(recipe.name, self.unit)
         files[LICENCE] = join_in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))
@@ -200,8 +210,9 @@ def _violations(sources: tuple[tuple[str, bytes], ...]) -> list[Violation]:
     return check({name: text.decode() for name, text in sources})
 
 
-def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_files: Sequence[str]) -> Files:
-    """What both flavours hold besides libraries, licences and modelDescription: documentation, picture, example.
+def _documents(recipe: Recipe, options: BuildOptions, platforms: Iterable[str], c_files: Sequence[str]) -> Files:
+    """What both flavours hold besides libraries, licences and modelDescription: documentation, picture, example,
+    terminals.
 
     `platforms`: the names of the libraries' folders; `c_files`: the C files among the sources in the FMU."""
     from ..pages.block_page import FmuContents, make_pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
@@ -212,11 +223,13 @@ def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_fil
     build_time()  # refuses an invalid SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     example, overrides = load_example(recipe.name), recipe.causality_overrides
     related = {} if recipe.starts or overrides else related_files(example)  # of the block as it is declared
-    contents = FmuContents(recipe, flavour, sorted(platforms), bool(related), bool(c_files))
+    contents = FmuContents(recipe, options.flavour, sorted(platforms), bool(related), bool(c_files))
     pages, picture = make_pages(contents), draw_icon(recipe.name)
     files = related | {f"documentation/{name}": page for name, page in pages.items()}
     files[f"{FOLDER}/icon.png" if recipe.fmi == Fmi.THREE else "model.png"] = picture
-    files[f"{FOLDER}/terminalsAndIcons.xml"] = terminals(recipe.block(), overrides, recipe.fmi)
+    has_terminals, *_ = options.optional_contents(recipe.fmi)
+    if has_terminals:
+        files[TERMINALS] = terminals(recipe.block(), overrides, recipe.fmi)
     return files
 
 
@@ -263,11 +276,13 @@ def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
     return folder / kind / f"{recipe.name}{suffix}.fmu"
 
 
-def optional_contents(fmu: Path) -> tuple[bool, bool]:
-    """Whether an FMU holds its C, and whether it has the unit as a WebAssembly component."""
+def optional_contents(fmu: Path) -> tuple[bool, bool, bool]:
+    """What a built FMU holds of `BuildOptions.optional_contents`."""
     with zipfile.ZipFile(fmu) as z:
         names = z.namelist()
-    return any(n.startswith(SOURCES) for n in names), any(n.startswith(f"binaries/{WASM}/") for n in names)
+    folders = (SOURCES, f"binaries/{WASM}/")
+    sources, component = (any(name.startswith(folder) for name in names) for folder in folders)
+    return TERMINALS in names, sources, component
 
 
 def why_outdated(fmu: Path, recipe: Recipe) -> str:

@@ -59,16 +59,18 @@ def prepare_fmus(recipes: Sequence[Recipe], flavour: Flavour, report: Report = s
 def _prepare_fmu(recipe: Recipe, flavour: Flavour, report: Report) -> Path:
     """The FMU in build/ if that is up to date, else one in the user's cache.
 
-    The latter has a library for this machine alone. Therefore it is in a folder from which nobody passes FMUs on."""
+    The latter has a library for this machine alone. Therefore it is in a folder from which nobody passes FMUs on. It is
+    run only if nobody else can have written it."""
     complete = fmu_path(recipe, paths.OUTPUT, flavour)
     if _is_current(complete, recipe):
         return complete
     platform = host_platform(recipe.fmi) if flavour == Flavour.NATIVE else None
     kind = f"{complete.parent.name}-{platform.folder}" if platform else complete.parent.name
-    target = paths.cache_folder() / kind / compute_guid(recipe).strip("{}") / complete.name
-    if not _is_current(target, recipe):
+    target = paths.own_cache(kind, compute_guid(recipe).strip("{}")) / complete.name
+    if not (_is_current(target, recipe) and paths.is_own(target)):
         with report(f"building {target}{', for this machine alone' if platform else ''}") as notify:
-            build(recipe, target, BuildOptions(flavour, [platform] if platform else ()), notify)
+            build(recipe, target, BuildOptions(flavour, platforms=[platform] if platform else ()), notify)
+        target.chmod(0o600)
     return target
 
 

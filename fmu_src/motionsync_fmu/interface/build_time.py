@@ -16,6 +16,6 @@ def build_time() -> int | None:
     text = os.environ.get("SOURCE_DATE_EPOCH")
     if not text:
         return None
-    if not text.isdecimal() or int(text) > 4354819198:  # the last instant a zip file can hold
+    if not text.isdecimal() or len(text) > 10 or int(text) > 4354819198:  # the last instant a zip file can hold
         raise UserError(f"SOURCE_DATE_EPOCH = {text} is not allowed: it must be whole seconds from 0 to 4354819198")
     return max(int(text), FIRST_INSTANT)

@@ -149,8 +149,7 @@ def parse(v: Variable, text: str, unit: str, slave_unit: str = "") -> Any:
         with suppress(ValueError):
             value = int(text)
     if value is None:
-        allowed = "true or false" if v.kind == "Boolean" else v.allowed_range
-        raise UserError(f"{v.name}={text}: {text!r} is not allowed: it must be {allowed}")
+        raise UserError(f"{v.name}={text}: {text!r} is not allowed: it must be {v.allowed_values}")
     if refusal := v.refusal(value):
         raise UserError(refusal)
     return value

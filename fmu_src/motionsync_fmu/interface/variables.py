@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 LONGEST_STEP = 1e6  # s; a step may not be longer
 QUIET_TIME = 10.0  # s; a code that has not come for so long has ended (`Report.EPISODES`)
 COMPUTED_DIGITS = 7  # of a computed value in a log line; values that were set have all theirs
+LEAST_INTEGER, GREATEST_INTEGER = -(2**31), 2**31 - 1  # of FMI's Integers
 KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
 
@@ -97,6 +98,8 @@ class Variable:
         if self.cell.type is bool:
             return True
         d = self.declaration
+        if self.cell.type is int and not LEAST_INTEGER <= value <= GREATEST_INTEGER:
+            return False
         fits = -inf < value < inf and d.min <= value <= d.max and d.above < value < d.below
         return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
 
@@ -118,6 +121,8 @@ class Variable:
         if self.choices:
             return ", ".join(f"{member.value} {member.name}" for member in self.choices)
         d = self.declaration
+        if self.kind == "Integer":
+            return f"{max(d.min, LEAST_INTEGER)} to {min(d.max, GREATEST_INTEGER)}"
         low = max(d.min, d.smallest) if d.smallest else d.min
         limits = (
             (d.above > -inf, f"> {d.above:g}"),
@@ -132,6 +137,16 @@ class Variable:
         )
         zero = "0, or " if d.smallest and d.zero else ""
         return zero + next(text for applies, text in forms if applies)
+
+    @property
+    def allowed_values(self) -> str:
+        """The allowed values in words, for a value that is not even of the variable's type."""
+        if self.kind == "Boolean":
+            return "true or false"
+        if self.choices:
+            return self.allowed_range
+        form = "whole number without a point" if self.kind == "Integer" else "number"
+        return f"a {form}, {self.allowed_range}"
 
     def refusal(self, value: Any) -> str:
         """Why a value is not allowed, naming variable, value and range; empty if it is."""

@@ -34,6 +34,7 @@ COMPACT = (
     "-mllvm -enable-pre=false -mllvm -disable-machine-licm -mllvm -disable-machine-cse -mllvm -disable-lsr "
     "-fno-jump-tables"
 )
+C_LIBRARY = "libc.so.6"  # Linux's, by the name that glibc has for it; musl knows that name, too
 CACHE_NEEDED = (
     "it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else one in the user's cache) with 1 GB to spare; an "
     "FMU of --flavour python is built without zig"
@@ -127,7 +128,7 @@ def is_shared(name: str) -> bool:
 def _keep(files: Files, other: Path) -> Path:
     """A folder in the user's cache that holds these files; the folder `other` if the cache cannot be written."""
     with suppress(OSError, RuntimeError):  # there may be no folder for a cache
-        folder = paths.cache_folder() / "c" / digest(files)[:32]
+        folder = paths.own_cache("c", digest(files)[:32])
         for name, text in files.items():
             if not (file := folder / name).is_file() or file.read_bytes() != text:
                 with paths.replace_file(file) as part:
@@ -146,7 +147,12 @@ def compile_library(target: str, flags: str, path: str, work: Path, sources: Seq
         UserError: zig failed.
     """
     (work / path).parent.mkdir()
-    return zig_cc(target, [*FLAGS.split(), *sources, *flags.split()], path, work)
+    arguments = [*FLAGS.split(), *flags.split()]
+    if "-linux-" in target:
+        c_library = f"{target}/{C_LIBRARY}"
+        zig_cc(target, [str(FREESTANDING / "libc.c"), *arguments, f"-Wl,-soname,{C_LIBRARY}"], c_library, work)
+        arguments.append(c_library)
+    return zig_cc(target, [*sources, *arguments], path, work)
 
 
 def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:

@@ -164,28 +164,25 @@ static inline bool is_valid_time(const Unit *u, double time, double h) {
     return (h > 0.0) & (h <= LONGEST_STEP) & is_finite(time) & (time + h <= u->now.stop + PAST_STOP * h);
 }
 
-COLD static void log_invalid_time(const Unit *u, double time, double h) {
+/* A step that would end past the stop time is an error in both versions of FMI: that is what the standards ask for. */
+COLD static Status refuse_time(const Unit *u, double time, double h) {
     if (!(h > 0.0 && h <= LONGEST_STEP))
-        unit_report(u, u->refusal_status, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
-    else if (!is_finite(time))
-        unit_report(u, u->refusal_status, "a step at the time %r is not allowed: it must be finite", time);
-    else
-        unit_report(u, u->refusal_status, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h,
-                    time, u->now.stop);
+        return unit_report(u, u->refusal_status, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
+    if (!is_finite(time))
+        return unit_report(u, u->refusal_status, "a step at the time %r is not allowed: it must be finite", time);
+    return unit_report(u, UNIT_ERROR, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h,
+                       time, u->now.stop);
 }
 
-COLD static bool check_all_ranges(Unit *u) {
+COLD static Status check_all_ranges(Unit *u) {
     for (int i = 0; i < COUNT; i++)
-        if (VARIABLES[i].checked && !check_range(u, VARIABLES + i, u->refusal_status)) return false;
-    return true;
+        if (VARIABLES[i].checked && !check_range(u, VARIABLES + i, u->refusal_status)) return u->refusal_status;
+    return UNIT_OK;
 }
 
-static inline bool can_step(Unit *u, double time, double h) {
-    if (!is_valid_time(u, time, h)) {
-        log_invalid_time(u, time, h);
-        return false;
-    }
-    return !u->out_of_range || check_all_ranges(u);
+static inline Status check_step(Unit *u, double time, double h) {
+    if (!is_valid_time(u, time, h)) return refuse_time(u, time, h);
+    return u->out_of_range ? check_all_ranges(u) : UNIT_OK;
 }
 
 /* How far the value that a message reports is from its limit, which comes next in the list of its variables. */
@@ -250,9 +247,10 @@ COLD void unit_terminate(Unit *u) {
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!check_mode(u, STEPPING, call)) return UNIT_ERROR;
-    if (!can_step(u, time, h)) return u->refusal_status;
+    Status status = check_step(u, time, h);
+    if (status) return status;
     bool derived = u->now.derivatives_given && takes_derivatives(u);
-    Status status = !derived || apply_derivatives(u) ? step_block(u, h) : u->refusal_status;
+    status = !derived || apply_derivatives(u) ? step_block(u, h) : u->refusal_status;
     if (derived) restore_inputs(u);
     if (status) return status;
     u->now.derivatives_given = 0;

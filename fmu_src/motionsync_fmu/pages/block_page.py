@@ -11,7 +11,6 @@ from ..interface.recipe import Recipe
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
-from ..scenario.evaluate.reference_comparison import read_reference
 from ..scenario.files.example import load_example
 from .compact import compact_page
 from .pictures import draw_example
@@ -52,7 +51,6 @@ def make_pages(contents: FmuContents) -> Files:
     example = load_example(recipe.name)
     text = render_readme(read_readme(type(block)), PICTURE, example.title)
     use, heading, details = text.partition(WIRING_BEFORE)
-    reference = read_reference(example) if contents.has_related_files else None
     values = {
         "name": recipe.name,
         "version": __version__,
@@ -69,7 +67,7 @@ def make_pages(contents: FmuContents) -> Files:
         "flavour": flavour,
         "fmi": recipe.fmi,
         "title": example.title,
-        "tolerance": reference[2] if reference else None,
+        "tolerance": example.tolerance if contents.has_related_files else None,
         "has_sources": contents.has_sources,
         "platforms": {p: TITLES[p] for p in contents.platforms},
     }

@@ -4,8 +4,9 @@ import re
 
 TAG = re.compile(rb"<[^>]*>")  # with the coordinates; between tags are texts, whose numbers stay
 NUMBER = re.compile(rb"-?\d+\.\d{2,}")
-PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|z\n)+)"')  # of straight lines only
-POINT = re.compile(rb"([MLz])(?: (\S+) (\S+))?")
+PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|C(?: \S+){6} \n|z\n)+)"')  # of straight lines and cubic curves
+SEGMENT = re.compile(rb"([MLCz])((?: \S+)*)")
+CURVE = b"\nC "  # in a tag whose path has curves: they get a digit more, so that they join without corners
 PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
 LINE_END = re.compile(r"(?<=[^>])\n")  # in a running text
 OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that are optional in HTML
@@ -21,10 +22,11 @@ def compact_page(page: str) -> str:
 
 
 def compact(drawing: bytes) -> bytes:
-    """Matplotlib's drawing with coordinates to a tenth of a point, each relative to the one before it.
+    """Matplotlib's drawing with coordinates to a tenth of a point, of curves to a hundredth, each relative to the point
+    before it.
 
     Metadata, indentation, groups without a purpose, names that nothing refers to and rotations by 0 are left out."""
-    text = TAG.sub(lambda tag: NUMBER.sub(lambda number: b"%g" % round(float(number[0]), 1), tag[0]), drawing)
+    text = TAG.sub(_rounded, drawing)
     text = re.sub(rb"\s*<metadata>.*?</metadata>|<\?xml.*?>\s*|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
     text = re.sub(rb' transform="rotate\(-?0 [^)]*\)"', b"", text)
     used = set(re.findall(rb"#(\w+)", text))
@@ -35,17 +37,25 @@ def compact(drawing: bytes) -> bytes:
     return PATH.sub(lambda path: b' d="' + _relative(path[1]) + b'"', text)
 
 
+def _rounded(tag: re.Match[bytes]) -> bytes:
+    digits = 2 if CURVE in tag[0] else 1
+    return NUMBER.sub(lambda number: b"%g" % round(float(number[0]), digits), tag[0])
+
+
 def _relative(path: bytes) -> bytes:
-    """A path of straight lines: its start, then the steps from each point to the next."""
+    """A path of straight lines and cubic curves: its start, then the steps from each point to the next."""
     at = start = (0.0, 0.0)
-    steps = []
-    for command, *point in POINT.findall(path):
+    steps, before = [], b""
+    for command, coordinates in SEGMENT.findall(path):
         if command == b"z":
             steps.append(b"z")
-            at = start
+            at, before = start, command
             continue
-        x, y = map(float, point)
-        steps.append(b"%s%g %g" % (b"m" if command == b"M" else b" ", round(x - at[0], 1), round(y - at[1], 1)))
-        at = x, y
+        numbers = [float(x) for x in coordinates.split()]
+        moved = b" ".join(b"%g" % round(x - at[i % 2], 2) for i, x in enumerate(numbers))
+        letter = {b"M": b"m", b"L": b"l", b"C": b"c"}[command]
+        continued = letter == before or (letter == b"l" and before == b"m")  # what follows a start is a line
+        steps.append((b" " if continued else letter) + moved)
+        at, before = (numbers[-2], numbers[-1]), letter
         start = at if command == b"M" else start
     return b"".join(steps)

@@ -6,6 +6,7 @@ all.
 """
 
 import io
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,12 +18,15 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
 from PIL import Image
 
 from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
 from ..interface.units import axis_label, unit_name
+from ..paths import replace_file
 from ..scenario.cutting import CutSpec
 from ..scenario.evaluate.cuts import passages, reach
 from ..scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
@@ -34,10 +38,11 @@ from ..scenario.remote_view import RemoteView
 from ..scenario.run.simulation import run_in_process
 from ..scenario.scenario import Scenario
 from .compact import compact
+from .numbers import jumps
+from .smooth_path import smooth_path
 from .style import MASTER, SLAVE, typeset
 
 STYLE: Any = {  # the same picture at every build
-    "path.simplify_threshold": 0.6,  # of a point, by which a simplified curve may differ
     "svg.hashsalt": "motionsync",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
@@ -51,7 +56,7 @@ VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
 ICON_COLOURS = 8  # an icon needs few shades
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
 OUTSIDE = 0.35  # of the saw's range: how far outside of it ends of pieces are drawn
-MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
+SAMPLES = 4000  # of a run, at least: as many as make an event happen where the picture shows it
 
 
 @dataclass(frozen=True)
@@ -99,11 +104,18 @@ def make_panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Pane
         UserError: the block refuses its example.
     """
     runs = [
-        PictureVariant(name, colour, run_in_process(variant, example.step_size))
+        PictureVariant(name, colour, run_in_process(variant, _step_size(example)))
         for (name, variant), colour in zip(_variants(example).items(), VARIANTS, strict=False)
     ]
     motion = _errors(example.remote, runs, unit) if example.remote else _motion(example, runs, unit, slave_unit)
-    return motion + [_curve(example, runs, name, label) for name, label in example.picture.curves.items()]
+    units = unit, slave_unit
+    return motion + [_curve(example, runs, name, label, units) for name, label in example.picture.curves.items()]
+
+
+def _step_size(example: Scenario) -> float:
+    """The step size, in s, of the runs that are drawn; of a remote axis the example's own, which fits its cycles."""
+    coarse = SAMPLES * example.step_size / example.stop_time
+    return example.step_size if example.remote else example.step_size / max(1, math.ceil(coarse))
 
 
 def _variants(example: Scenario) -> dict[str, Scenario]:
@@ -119,34 +131,36 @@ def _motion(example: Scenario, runs: list[PictureVariant], unit: str, slave_unit
 
     In place of the material's position, a saw is shown with the marks that pass it, or with the cuts that it makes."""
     first = runs[0].recording
-    selected, shaded = _thinned(first.time), example.picture.shaded
+    shaded = example.picture.shaded
     position, velocity = first.master[:, 0], first.master[:, 1]
     pieces = find_pieces(example, first)
-    master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
+    wrapped = position % example.period if example.period else position
+    master = {Unit.POSITION: _broken(first.time, wrapped, velocity), Unit.VELOCITY: velocity}
 
     def panel(kind: Unit, name: str) -> Panel:
         label, followed = unit_name(kind, slave_unit or unit), list[PictureCurve]()
         if kind == Unit.POSITION and example.cuts:
-            followed = [
-                PictureCurve("marks on the master", MASTER, 1.5, _select(_marks(example.cuts, first), selected))
-            ]
+            followed = [PictureCurve("marks on the master", MASTER, 1.5, _marks(example.cuts, first))]
         elif kind == Unit.POSITION and pieces:
-            ends = piece_ends(pieces, example, first)
-            followed = [PictureCurve("ends of the pieces", MASTER, 1.5, _select(ends, selected))]
+            followed = [PictureCurve("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first))]
         elif kind in master:
             label = axis_label(kind, unit, slave_unit)
-            followed = [PictureCurve("master", MASTER, 1.5, _broken(master[kind][selected]))]
-        curves = [
-            PictureCurve(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][selected])) for r in runs
-        ]
-        shade = first.values[shaded][selected] if shaded else None
-        return Panel(_labelled(name, label), first.time[selected], followed + curves, shade)
+            followed = [PictureCurve("master", MASTER, 1.5, master[kind])]
+        curves = [PictureCurve(r.name, r.colour, 2.2, _slave_values(r.recording, kind, name)) for r in runs]
+        shade = first.values[shaded] if shaded else None
+        return Panel(_labelled(name, label), first.time, followed + curves, shade)
 
     return [
         panel(Unit.POSITION, "position"),
         panel(Unit.VELOCITY, "velocity"),
         panel(Unit.ACCELERATION, "acceleration"),
     ]
+
+
+def _slave_values(recording: Recording, kind: Unit, name: str) -> Reals:
+    """The slave's position, with gaps where it wraps, or a derivative of it."""
+    values = recording.values[f"slave.{name}"]
+    return _broken(recording.time, values, recording.values["slave.velocity"]) if kind == Unit.POSITION else values
 
 
 def _marks(spec: CutSpec, recording: Recording) -> Reals:
@@ -177,14 +191,11 @@ def _errors(remote: RemoteView, runs: list[PictureVariant], unit: str) -> list[P
     errors_of_runs = [remote_errors(remote, run.recording) for run in runs]
     cycles = _cycles(remote, errors_of_runs[0].time)
     ahead = remote.telegrams.true_index[cycles] - cycles
-    selected = _thinned(cycles)
 
     def panel(label: str, received: Reals, corrected: list[Reals]) -> Panel:
-        curves = [PictureCurve("as received", MASTER, 1.2, received[selected])]
-        curves += [
-            PictureCurve(r.name, r.colour, 2.0, values[selected]) for r, values in zip(runs, corrected, strict=True)
-        ]
-        return Panel(label, cycles[selected] * remote.clocks.task_cycle, curves)
+        curves = [PictureCurve("as received", MASTER, 1.2, received)]
+        curves += [PictureCurve(r.name, r.colour, 2.0, values) for r, values in zip(runs, corrected, strict=True)]
+        return Panel(label, cycles * remote.clocks.task_cycle, curves)
 
     position = _labelled("position - true one", unit_name(Unit.POSITION, unit))
     return [
@@ -195,14 +206,14 @@ def _errors(remote: RemoteView, runs: list[PictureVariant], unit: str) -> list[P
     ]
 
 
-def _curve(example: Scenario, runs: list[PictureVariant], name: str, label: str) -> Panel:
-    """A plot of one output in all runs."""
+def _curve(example: Scenario, runs: list[PictureVariant], name: str, label: str, units: tuple[str, str]) -> Panel:
+    """A plot of one output in all runs; `units`: those of the positions of master and slave."""
     time = runs[0].recording.time[1:]
-    selected = _thinned(time)
-    curves = [PictureCurve(run.name, run.colour, 2.0, run.recording.values[name][1:][selected]) for run in runs]
+    curves = [PictureCurve(run.name, run.colour, 2.0, run.recording.values[name][1:]) for run in runs]
     if example.remote:
         time = _cycles(example.remote, time) * example.remote.clocks.task_cycle
-    return Panel(label, time[selected], curves)
+    unit = unit_name(example.recipe.variables[name].declaration.unit, *units)
+    return Panel(_labelled(label, unit), time, curves)
 
 
 def _cycles(remote: RemoteView, time: Reals) -> Reals:
@@ -214,21 +225,11 @@ def _labelled(name: str, unit: str) -> str:
     return name + (f"\n{typeset(unit)}" if unit else "")
 
 
-def _thinned(time: Reals) -> slice:
-    """The selection of points that are drawn."""
-    return slice(None, None, 1 + len(time) // MOST_POINTS)
-
-
-def _select(values: Reals, selected: slice) -> Reals:
-    """The values that are selected; a gap between two of them is a gap at the second."""
-    gaps = np.add.reduceat(np.isnan(values), np.arange(1, len(values), selected.step))[: len(values[selected]) - 1]
-    return np.concatenate((values[:1], np.where(gaps, np.nan, values[selected][1:])))
-
-
-def _broken(values: Reals) -> Reals:
-    """The values, with a gap where a period wraps."""
-    jumps = np.abs(np.diff(values, prepend=values[0])) > 0.5 * float(np.ptp(values))
-    return np.where(jumps, np.nan, values)
+def _broken(time: Reals, position: Reals, velocity: Reals) -> Reals:
+    """The positions, with a gap where they start their next turn."""
+    broken = position.copy()
+    broken[jumps(time, position, velocity)] = np.nan
+    return broken
 
 
 @cache
@@ -245,7 +246,8 @@ def draw_example(name: str, unit: str, slave_unit: str = "") -> bytes:
             for begin, end in _stretches(panel):
                 axes.axvspan(begin, end, **SHADE)
             axes.set_ylabel(panel.label)
-        parts[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+        lines = [Line2D([], [], color=c.colour, linewidth=c.width, label=c.label) for c in shown[0].curves]
+        parts[0].legend(handles=lines, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
         figure.align_ylabels()
         parts[-1].set_xlabel("time in s")
         return write_svg(figure)
@@ -285,16 +287,23 @@ def _stretches(panel: Panel) -> Iterator[tuple[float, float]]:
 
 def _plot(axes: Axes, panel: Panel) -> None:
     for curve in panel.curves:
-        axes.plot(panel.time, curve.values, color=curve.colour, linewidth=curve.width, label=curve.label)
+        line: Any = {
+            "edgecolor": curve.colour,
+            "linewidth": curve.width,
+            "capstyle": "projecting",
+            "joinstyle": "round",
+        }
+        axes.add_patch(PathPatch(smooth_path(panel.time, curve.values), fill=False, **line))
+    axes.autoscale_view()
 
 
 def main() -> None:
     """Write the pictures of the blocks' examples."""
     folder, *names = sys.argv[1:]
-    Path(folder).mkdir(parents=True, exist_ok=True)
     for name in names or BLOCKS:
         example = load_example(name)
-        Path(folder, f"{name}.svg").write_bytes(draw_example(name, example.unit, example.slave_unit))
+        with replace_file(Path(folder, f"{name}.svg")) as part:
+            part.write_bytes(draw_example(name, example.unit, example.slave_unit))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""Files in an FMU for the users of importers: its block's example as a run to repeat, by FMI-LS-REF 1.0.0-alpha.1.
+"""Files in an FMU for the users of importers: its block's example as a run to repeat, by FMI-LS-REF 1.0.0-beta.1.
 
-The layered standard fixes the folder and the manifest; its appendix describes the experiment. The parameters are an SSV
-file of SSP 1.0, inputs and reference are CSV files as the FMI cross-check has them.
+The layered standard fixes the folder and the manifest. The experiment is a file by MA-HS-Experiments, which is a draft.
+The parameters are an SSV file of SSP 1.0, inputs and reference are CSV files as the FMI cross-check has them.
 """
 
+from hashlib import sha3_256
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,6 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 POINTS = 50  # of the reference, about: every FMU carries it
 DIGITS = 12  # of its values: the error is below a hundredth of the tolerance
 COLUMNS = (*(f"slave.{name}" for name in MOTION), "state_code")  # of it: the setpoint, and the state
-TEXTS = {
-    f"{FOLDER}/fmi-ls-manifest.xml": "fmi-ls-manifest.xml",
-    f"{FOLDER}/example.exp": "example.exp",
-    f"{FOLDER}/example.ssv": "parameters.ssv",
-}
 
 
 def related_files(example: Scenario) -> Files:
@@ -36,7 +32,7 @@ def related_files(example: Scenario) -> Files:
     reference = read_reference(example)
     if reference is None:
         return {}
-    names, table, _ = reference
+    names, table = reference
     available = [name for name in COLUMNS if name in names]
     columns = [0, *(1 + names.index(name) for name in available)]
     times = np.unique(table[:, 0])
@@ -51,8 +47,16 @@ def related_files(example: Scenario) -> Files:
         ],
     }
     rows = [[time, *rounded(outputs, DIGITS)] for time, *outputs in table[selected][:, columns].tolist()]
-    files = {path: load_template(TEMPLATES, f"{name}.j2").render(values).encode() for path, name in TEXTS.items()}
-    return files | {
-        f"{FOLDER}/example_in.csv": inputs_csv(example).encode(),
-        f"{FOLDER}/example_ref.csv": csv_text(["time", *available], rows).encode(),
+
+    def rendered(template: str) -> bytes:
+        return load_template(TEMPLATES, f"{template}.j2").render(values).encode()
+
+    files = {
+        "example.exp": rendered("example.exp"),
+        "example.ssv": rendered("parameters.ssv"),
+        "example_in.csv": inputs_csv(example).encode(),
+        "example_ref.csv": csv_text(["time", *available], rows).encode(),
     }
+    values["checksums"] = {name: sha3_256(content).hexdigest() for name, content in files.items()}
+    files["fmi-ls-manifest.xml"] = rendered("fmi-ls-manifest.xml")
+    return {f"{FOLDER}/{name}": content for name, content in files.items()}

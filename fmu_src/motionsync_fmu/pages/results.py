@@ -12,7 +12,7 @@ from ..scenario.evaluate.expectations import check_expectations
 from ..scenario.evaluate.key_figures import compute_key_figures
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.reference_comparison import compare_with_reference
-from ..scenario.evaluate.reference_files import command_line, inputs_file, write_csv, write_inputs
+from ..scenario.evaluate.reference_files import command_line, write_csv, write_inputs
 from ..scenario.files.shipped import scenario_name
 from ..scenario.recording import Reals, Recording
 from ..scenario.scenario import Scenario
@@ -48,18 +48,15 @@ def write_results(
     outcome: ScenarioOutcome, scenario: Scenario, recording: Recording, fmu: Path, folder: Path, *, report: bool
 ) -> ScenarioOutcome:
     """Write the results of a run into a folder; the outcome that is returned names the files."""
-    inputs, results = inputs_file(scenario), folder / f"{scenario.recipe.name}_out.csv"
+    inputs, results = (folder / f"{scenario.recipe.name}_{kind}.csv" for kind in ("in", "out"))
     page = folder / "report.html" if report else None
     with replace_files(folder) as part:
-        with (part / results.name).open("w") as out:
+        with part(results.name).open("w") as out:
             write_outputs(out, scenario, recording)
-        # The inputs next to the file are those of its own values and step size; a user's own scenario may have none.
-        if scenario.overrides or scenario.step_size != scenario.scan or not inputs.exists():
-            inputs = folder / inputs.name
-            with (part / inputs.name).open("w") as out:
-                write_inputs(out, with_recorded_settings(scenario, recording))
+        with part(inputs.name).open("w") as out:
+            write_inputs(out, with_recorded_settings(scenario, recording))
         if page:
-            write_report(part / page.name, scenario, recording, outcome, fmu, results)
+            write_report(part(page.name), scenario, recording, outcome, fmu, results)
     shown = str(page) if page else None
     return replace(outcome, result=str(results), report=shown, fmpy=command_line(scenario, fmu, inputs))
 

@@ -103,9 +103,11 @@ def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
     """What is true of the pieces, and what the axis needs: a name and a text each."""
     if true := figures.true_pieces:
         if true.pieces:
+            lengths = true.lengths
             mean = engineering(true.mean, true.unit, digits=7)
+            of = f"mean {mean}" if len(lengths) == 1 else f"{len(lengths)} lengths"
             worst = engineering(abs(true.worst), true.unit, scale=figures.scale)
-            yield "true length", f"{_counted(len(true.pieces), 'product')}: mean {mean}, error at most {worst}"
+            yield "true length", f"{_counted(len(true.pieces), 'product')}: {of}, error at most {worst}"
         if len(true.pieces) > 1:
             sigma, allowed = (
                 engineering(value, true.unit, scale=figures.scale) for value in (true.deviation, true.tolerance)
@@ -118,9 +120,9 @@ def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
     if load := figures.load:
         span = f"over {_counted(load.cycles, 'cycle')}" if load.cycles else "over the whole run"
         work = "" if load.work is None else f", work {engineering(load.work, 'J')} a cycle"
-        yield "force rms", f"{_of_motor(load.rms, load.rms_share, load.unit):<22}  {span}"
+        yield f"{load.what} rms", f"{_of_motor(load.rms, load.rms_share, load.unit):<22}  {span}"
         peak = _of_motor(load.peak, load.peak_share, load.unit)
-        yield "force peak", f"{peak:<22}  at {engineering(load.peak_at, 's')}"
+        yield f"{load.what} peak", f"{peak:<22}  at {engineering(load.peak_at, 's')}"
         yield "power peak", f"{engineering(load.peak_power, 'W')}{work}"
 
 

@@ -16,7 +16,7 @@ from ..interface.units import BASES
 from ..scenario.files.axis_tables import read_load
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_scenario, scenario_name
-from ..scenario.files.toml_tables import TomlTable, read_text, read_toml
+from ..scenario.files.toml_tables import TomlTable, read_text, read_toml, to_float
 from ..scenario.files.variable_tables import StartTable, Subject
 from ..scenario.load import Load
 from ..scenario.scenario import Scenario
@@ -228,7 +228,7 @@ def read_numbers(numbers: str | Sequence[float], unit: str) -> list[float]:
         UserError: it is no such text, or a number in it is not allowed.
     """
     if not isinstance(numbers, str):
-        return sorted({_allowed(float(number)) for number in numbers})
+        return sorted({_allowed(to_float(number)) for number in numbers})
     values: set[float] = set()
     for part in filter(None, (p.strip() for p in numbers.split(","))):
         first, separator, last = part.partition(RANGE)

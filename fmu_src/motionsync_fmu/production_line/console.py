@@ -18,8 +18,6 @@ def print_line(line: ProductionLine, outcome: LineOutcome) -> None:
     unit = unit_name(Unit.POSITION, line.unit)
     print_headline(outcome.title, outcome.line, outcome.passed)
     print_checks(outcome.expectations)
-    if outcome.libcosim_missing:
-        out.print(f"  [red]not run in libcosim[/]: {escape(outcome.libcosim_missing)}")
     _print_errors("before", outcome.before, unit)
     if outcome.settled is not None:
         _print_errors(f"in sync, from {outcome.settled:.5g} s on", outcome.in_sync, unit)

@@ -1,7 +1,7 @@
 """Evaluates a line: the follower's errors with RemoteSync, without it, and with other estimators."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from ..scenario.evaluate.expectations import Check, check_expectations
 from ..scenario.recording import Reals
 from .line import REMOTE, ProductionLine
 from .package import LinePackage
-from .runs import MissingLibraryError, Values, run_cosim, run_ssp
+from .runs import Values, run_ssp
 from .variants import (
     RAW,
     Variant,
@@ -30,8 +30,6 @@ from .variants import (
 )
 
 BLENDING = ("new_drift_blending_cycles", "blending_time")  # RemoteSync's times until it uses a new drift in full
-AGREEMENT = 1e-9  # allowed difference of FMPy and libcosim, relative to each output's greatest magnitude, at least 1
-FIRST = 2  # steps in which FMPy and libcosim may differ: in the first step FMPy's inputs are zero
 
 
 @dataclass(frozen=True)
@@ -67,18 +65,6 @@ class VariantErrors:
 
 
 @dataclass(frozen=True)
-class Agreement:
-    """The greatest difference of FMPy and libcosim in an output, in the first steps and after them.
-
-    `allowed`: the greatest allowed difference after them."""
-
-    name: str
-    first: float
-    later: float
-    allowed: float
-
-
-@dataclass(frozen=True)
 class LineResult:
     """The results of `evaluate_line`.
 
@@ -89,8 +75,6 @@ class LineResult:
         wired: the variant through the SSP package.
         variants: all variants: the wired one first, then the raw telegrams, then other estimators.
         before, after: the errors of all variants, before `settled` and from then on.
-        agreements: the differences of FMPy and libcosim; empty if libcosim is missing.
-        missing: why libcosim did not run; empty if it ran.
         checks: the expectations, each with its result.
     """
 
@@ -100,8 +84,6 @@ class LineResult:
     variants: list[Variant]
     before: list[VariantErrors]
     after: list[VariantErrors]
-    agreements: list[Agreement]
-    missing: str
     checks: list[Check]
 
     @property
@@ -116,7 +98,7 @@ class LineResult:
 def evaluate_line(
     line: ProductionLine, package: LinePackage, progress: Callable[[str], None] = lambda text: None
 ) -> LineResult:
-    """Run the line in FMPy and in libcosim, and the follower alone for the other variants.
+    """Run the line in FMPy, and the follower alone for the other variants.
 
     `progress` is called with the name of each run before it starts.
 
@@ -128,11 +110,6 @@ def evaluate_line(
     raw = run_follower(line, package, raw_axis(line))
     progress("FMPy's SSP simulation")
     outputs = run_ssp(line, package)
-    progress("libcosim")
-    try:
-        agreements, missing = list(_compare_outputs(outputs, run_cosim(line, package))), ""
-    except MissingLibraryError as e:
-        agreements, missing = [], str(e)
     remote, follower = outputs[REMOTE], line.follower.recipe.name
     variants = [
         variant_of(line, wired_name(line), outputs[follower], truth, remote),
@@ -150,9 +127,7 @@ def evaluate_line(
         variants,
         [_compute_errors(line, variant, line.times < settled) for variant in variants],
         [_compute_errors(line, variant, line.times >= settled) for variant in variants],
-        agreements,
-        missing,
-        list(_check_line(line, variants[0], synced, settled, agreements)),
+        list(_check_line(line, variants[0], synced, settled)),
     )
 
 
@@ -201,33 +176,12 @@ def _spread(values: Reals) -> float | None:
     return float(np.ptp(values)) if len(values) else None
 
 
-def _compare_outputs(ssp: Mapping[str, Values], cosim: Mapping[str, Values]) -> Iterator[Agreement]:
-    for component, values in ssp.items():
-        for name, column in values.items():
-            if name not in cosim[component]:
-                continue
-            difference = np.abs(column - cosim[component][name])
-            allowed = AGREEMENT * max(1.0, float(np.abs(column).max()))
-            first, later = (float(part.max(initial=0.0)) for part in (difference[:FIRST], difference[FIRST:]))
-            yield Agreement(f"{component}.{name}", first, later, allowed)
-
-
 # --- checks ---
 
 
-def _check_line(
-    line: ProductionLine, wired: Variant, synced: float, settled: float, agreements: list[Agreement]
-) -> Iterator[Check]:
+def _check_line(line: ProductionLine, wired: Variant, synced: float, settled: float) -> Iterator[Check]:
     s, unit = line.follower, unit_name(Unit.POSITION, line.unit)
     yield Check("RemoteSync in sync", f"from {synced:.10g} s on" if synced < math.inf else "never", synced < math.inf)
-    if agreements:
-        worst = max(agreements, key=lambda a: a.later / a.allowed)
-        expected = (
-            f"FMPy and libcosim agree from step {FIRST + 1} on, to {engineering(AGREEMENT)} of each output's magnitude"
-        )
-        yield Check(
-            expected, f"{engineering(worst.later, digits=2)} apart in {worst.name}", worst.later <= worst.allowed
-        )
     yield from check_expectations(replace(s, cuts=None, pieces=None), wired.recording)
     if s.pieces:
         yield from _check_lengths(s.pieces, wired, settled, unit)

@@ -8,7 +8,7 @@ from typing import Any
 from ..paths import replace_files
 from ..scenario.evaluate.expectations import Check
 from ..scenario.evaluate.reference_files import csv_text
-from .evaluation import Agreement, LineResult, VariantErrors
+from .evaluation import LineResult, VariantErrors
 from .line import REMOTE, ProductionLine
 from .package import LinePackage
 from .report import write_line_report
@@ -24,8 +24,6 @@ class LineOutcome:
         settled: the time from which it uses its drift in full, in s; None: never.
         before: the errors of each variant before `settled`.
         in_sync: those from then on.
-        agreement: the differences of FMPy and libcosim in each output.
-        libcosim_missing: why libcosim did not run; empty if it ran.
         ssp: the SSP package.
         osp: the OSP system structure.
         result: the CSV file with the outputs.
@@ -40,8 +38,6 @@ class LineOutcome:
     before: list[VariantErrors]
     in_sync: list[VariantErrors]
     expectations: list[Check]
-    agreement: list[Agreement]
-    libcosim_missing: str
     ssp: str
     osp: str
     result: str
@@ -63,11 +59,11 @@ def write_outcome(
     columns = {f"{component}.{n}": values.tolist() for component, of in outputs.items() for n, values in of.items()}
     file, page = folder / f"{line.name}_out.csv", folder / "report.html"
     with replace_files(folder) as part:
-        (part / file.name).write_text(
+        part(file.name).write_text(
             csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True))
         )
         if report:
-            write_line_report(part / page.name, line, package, result, file)
+            write_line_report(part(page.name), line, package, result, file)
     return LineOutcome(
         str(line.follower.file),
         line.follower.title,
@@ -77,8 +73,6 @@ def write_outcome(
         result.before,
         result.after,
         result.checks,
-        result.agreements,
-        result.missing,
         str(package.ssp),
         str(package.osp),
         str(file),

@@ -81,10 +81,10 @@ def write_package(line: ProductionLine, flavour: Flavour, output: Path, progress
             built = fmu_path(recipe, output, flavour) if shared else fmus[name]
             if why_outdated(built, recipe):
                 progress(f"building {built}")
-                built = build(recipe, built if shared else part / built.name, BuildOptions(flavour), progress)
+                built = build(recipe, built if shared else part(built.name), BuildOptions(flavour), progress)
             if shared:
-                copyfile(built, part / fmus[name].name)
-        (part / STRUCTURE).write_bytes(texts.pop(STRUCTURE))
+                copyfile(built, part(fmus[name].name))
+        part(STRUCTURE).write_bytes(texts.pop(STRUCTURE))
     write_zip(ssp, texts | {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()})
     return LinePackage(ssp, osp, fmus)
 

@@ -1,14 +1,12 @@
-"""Runs of a line: by FMPy from the SSP package, by libcosim from the OSP structure, and a follower alone.
+"""Runs of a line: by FMPy from the SSP package, and a component alone.
 
-Both co-simulations are parallel (Jacobi): in the step from t to t+h each FMU has the inputs that were there at t, and
-its outputs at t+h reach another FMU in the next step, from t+h on. RemoteSync's output, shifted by
+FMPy's co-simulation of a package is parallel (Jacobi): in the step from t to t+h each FMU has the inputs that were
+there at t, and its outputs at t+h reach another FMU in the next step, from t+h on. RemoteSync's output, shifted by
 delay_time_offset = h, is the axis at t+h. The follower reads this output in the step that starts at t+h, as the master
 at the start of the step (START_OF_STEP). So the follower's master does not lag.
 """
 
-from collections.abc import Callable, Mapping
-from functools import partial
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,23 +16,17 @@ from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..optional_dependencies import how_to_install
 from ..scenario.recording import Reals
 from ..scenario.run.fmu_instance import FmuError, FmuInstance
-from .line import REMOTE, ProductionLine
+from .line import ProductionLine
 from .package import LinePackage
 
 Inputs = Mapping[str, NDArray[Any]]  # each of shape (steps,)
 Values = dict[str, Reals]  # outputs at the ends of the steps, each of shape (steps,)
-KINDS = ("Real", "Integer", "Boolean")
 BOOLEANS = {"true": True, "false": False}
 
 
-class MissingLibraryError(Exception):
-    """A library is not installed; the text states how to install it."""
-
-
-# --- (a) FMPy ---
+# --- the package in FMPy ---
 
 
 def run_ssp(line: ProductionLine, package: LinePackage) -> dict[str, Values]:
@@ -79,98 +71,6 @@ def _read_parameters(package: LinePackage) -> ParameterSet:
     for p in parameters.parameters:
         p.value = BOOLEANS[p.value] if p.type == "Boolean" else p.value
     return parameters
-
-
-# --- (b) libcosim ---
-
-
-def run_cosim(line: ProductionLine, package: LinePackage) -> dict[str, Values]:
-    """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs. It cannot
-    read enumerations: these are missing.
-
-    Raises:
-        MissingLibraryError: libcosimpy is not installed.
-        UserError: libcosim refused the structure or a step.
-    """
-    cosim = _Cosim(line, package.osp)
-    for name in line.recipes:
-        cosim.wire(name)
-    for i in range(line.steps):
-        cosim.step(i)
-    return cosim.outputs
-
-
-class _Cosim:
-    """libcosim's execution of an OSP structure.
-
-    Attributes:
-        outputs: those of each component at the ends of the steps.
-        overrides: the functions that override inputs, each of those of one type, with the values in each step.
-        reads: the functions that return outputs, each of those of one type, with their array of shape (steps, names).
-    """
-
-    def __init__(self, line: ProductionLine, structure: Path) -> None:
-        """Open the structure.
-
-        Raises:
-            MissingLibraryError: libcosimpy is not installed.
-            UserError: libcosim refused the structure.
-        """
-        try:
-            from libcosimpy.CosimEnums import CosimExecutionState  # noqa: PLC0415 (an optional library)
-            from libcosimpy.CosimExecution import CosimExecution  # noqa: PLC0415
-            from libcosimpy.CosimLogging import CosimLogLevel, log_output_level  # noqa: PLC0415
-            from libcosimpy.CosimManipulator import CosimManipulator  # noqa: PLC0415
-            from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415
-        except ModuleNotFoundError:
-            raise MissingLibraryError(f"libcosimpy is not installed ({how_to_install('line')})") from None
-        log_output_level(CosimLogLevel.ERROR)
-        try:
-            self.execution = CosimExecution.from_osp_config_file(str(structure))
-        except AssertionError as e:
-            raise UserError(f"{structure}: libcosim refused it: {e}") from None
-        self.line = line
-        self.structure = structure
-        self.inputs: Mapping[str, Inputs] = {REMOTE: line.telegrams, line.follower.recipe.name: line.commands}
-        self.failed = CosimExecutionState.ERROR.value
-        self.manipulator, self.observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
-        self.execution.add_manipulator(self.manipulator)
-        self.execution.add_observer(self.observer)
-        self.outputs: dict[str, Values] = {name: {} for name in line.recipes}
-        self.overrides: list[tuple[Callable[[list[Any]], Any], list[tuple[Any, ...]]]] = []
-        self.reads: list[tuple[Callable[[], list[Any]], Reals]] = []
-
-    def wire(self, component: str) -> None:
-        """Prepare, type by type, overriding the inputs of a component and reading its outputs."""
-        slave = self.execution.slave_index_from_instance_name(component)
-        references = {v.name.decode(): v.reference for v in self.execution.slave_variables(slave)}
-        inputs = self.inputs[component]
-        outputs = [v.name for v in self.line.outputs[component]]
-        for kind in KINDS:
-            names_of_kind = [v.name for v in self.line.recipes[component].variables.values() if v.kind == kind]
-            override = getattr(self.manipulator, f"slave_{kind.lower()}_values")
-            get = getattr(self.observer, f"last_{kind.lower()}_values")
-            if names := [n for n in names_of_kind if n in inputs]:
-                rows = list(zip(*(inputs[n].tolist() for n in names), strict=True))
-                self.overrides.append((partial(override, slave, [references[n] for n in names]), rows))
-            if names := [n for n in outputs if n in names_of_kind]:  # enumerations are in none of the KINDS
-                values = np.empty((self.line.steps, len(names)))
-                self.reads.append((partial(get, slave, [references[n] for n in names]), values))
-                self.outputs[component] |= dict(zip(names, values.T, strict=True))
-
-    def step(self, i: int) -> None:
-        """Do the step with this number.
-
-        Raises:
-            UserError: the step failed.
-        """
-        for override, rows in self.overrides:
-            if i == 0 or rows[i] != rows[i - 1]:  # an override stays until the next one
-                override(list(rows[i]))
-        if not self.execution.step() or self.execution.status().state == self.failed:
-            raise UserError(f"{self.structure}: libcosim failed at {i * self.line.step_size:g} s")
-        for get, values in self.reads:
-            values[i] = get()
 
 
 # --- one FMU alone ---

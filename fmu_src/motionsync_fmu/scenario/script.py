@@ -81,8 +81,7 @@ class Script:
 
     def at(self, t: float) -> AxisMotion:
         """The motion at t; where it jumps at t, the motion after the jump."""
-        i = max(bisect_right(self.breaks, t) - 1, 0)
-        return self.motions[i].after(t - self.breaks[i])
+        return self._after(max(bisect_right(self.breaks, t) - 1, 0), t)
 
     def start_motion(self, delay: float) -> AxisMotion:
         """The motion a time before the start, in s, with which a delayed line starts."""
@@ -106,5 +105,8 @@ class Script:
 
     def until(self, t: float) -> AxisMotion:
         """The motion at t; where it jumps at t, the motion before the jump."""
-        i = max(bisect_left(self.breaks, t) - 1, 0)
+        return self._after(max(bisect_left(self.breaks, t) - 1, 0), t)
+
+    def _after(self, i: int, t: float) -> AxisMotion:
+        """The motion at t, by the segment i."""
         return self.motions[i].after(t - self.breaks[i])

@@ -33,12 +33,15 @@ class Trace(Script):
         self._table[:, 1] = np.append(velocities, velocities[-1])
         end = min(int(np.searchsorted(breaks, START_SPAN)), len(breaks) - 1)
         self.initial = AxisMotion(float(positions[0]), float((positions[end] - positions[0]) / breaks[end]), 0.0, 0.0)
-        self.breaks = breaks.tolist()
-        self.points = self.breaks[:1]
+        self.breaks = breaks  # a list of Python's floats would take four times the memory
+        self.points = [0.0]
 
     @cached_property
     def motions(self) -> list[AxisMotion]:  # type: ignore[override]
         return [AxisMotion(*row) for row in self._table.tolist()]
+
+    def _after(self, i: int, t: float) -> AxisMotion:
+        return AxisMotion(*self._table[i].tolist()).after(t - float(self.breaks[i]))
 
     def table(self) -> Reals:
         return self._table

@@ -154,7 +154,7 @@ def _linear(text: str, kind: ValueKind) -> Linear:
     if count >= EXACT:
         raise UserError(f"a count of {parts[2].strip()} is not allowed: it must be < {EXACT}")
     if whole and (stop - start) % (count - 1):
-        raise UserError(f"{start + (stop - start) / (count - 1):g} is no Integer")
+        raise UserError(f"{start + (stop - start) / (count - 1):g} is no Integer: it must be a whole number")
     return Linear(start, stop, count, whole)
 
 
@@ -209,7 +209,7 @@ def _number(part: str, kind: ValueKind) -> float:
     if kind.name != "Integer":
         return value
     if not value.is_integer() or abs(value) >= EXACT:
-        raise UserError(f"{text} is no Integer")
+        raise UserError(f"{text} is no Integer: it must be a whole number")
     return int(value)
 
 

@@ -4,7 +4,6 @@ A part has the number of its chunk in its name. It is written under a temporary 
 renamed, so a file with the name of a part is a whole one. What happens to it later is found out: its pages have
 checksums, it has the hash of its plan, and its first column has the numbers of its runs."""
 
-import os
 import re
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -13,15 +12,15 @@ from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
-from uuid import uuid4
 
 from ..errors import UserError
+from ..paths import PART, replace_file
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
 NAME = re.compile(r"part-(\d{6,})\.parquet")
-UNFINISHED = "part-*.tmp"
+UNFINISHED = f"part-*{PART}"
 TOKEN = ".token"
 LOCK = ".lock"
 OF_PLAN = b"motionsync.plan"  # the key of the plan's hash in the metadata of a part
@@ -78,16 +77,10 @@ class Parts:
             UserError: it cannot be written.
         """
         file = self.file(number)
-        unfinished = file.with_name(f"{file.name}.{uuid4().hex}.tmp")
         try:
-            with unfinished.open("xb") as stream:
-                stream.write(contents)
-                stream.flush()
-                os.fsync(stream.fileno())  # a disk across a network may report only now that it is full
-            unfinished.replace(file)
+            with replace_file(file) as part:
+                part.write_bytes(contents)
         except OSError as e:
-            with suppress(OSError):
-                unfinished.unlink()
             raise UserError(f"{file} cannot be written: {e.strerror or e}") from None
 
     def check_complete(self) -> list[int]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rich.table import Table
 
 from ..pages.console import out, print_table
+from ..paths import replace_file
 from ..scenario.engineering import engineering
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def write_csv(boundaries: "pa.Table", folder: Path) -> Path:
         OSError: it cannot be written.
     """
     file = folder / CSV
-    with file.open("w", encoding="utf-8", newline="") as stream:
+    with replace_file(file) as part, part.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(boundaries.schema.names)
         writer.writerows(row.values() for row in records(boundaries))

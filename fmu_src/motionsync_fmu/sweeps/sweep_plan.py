@@ -21,6 +21,7 @@ import tomli_w
 from ..about import __version__
 from ..errors import UserError, choose
 from ..fmus.guid import compute_guid
+from ..paths import replace_file
 from ..scenario.files.toml_tables import read_file, read_toml
 from ..scenario.scenario import Scenario
 from .expressions import Array, Expression, sort_by_need
@@ -249,9 +250,8 @@ class SweepPlan:
         plan = HEAD + tomli_w.dumps(self._tables() | others)
         try:
             for name, text in ((SCENARIO, self.text), (FILE, plan)):  # who finds the plan finds both
-                part = folder / f"{name}.tmp"
-                part.write_text(text, "utf-8", newline="\n")
-                part.replace(folder / name)
+                with replace_file(folder / name) as part:
+                    part.write_text(text, "utf-8", newline="\n")
         except OSError as e:
             raise UserError(f"{folder}: the plan cannot be written: {e}") from None
 

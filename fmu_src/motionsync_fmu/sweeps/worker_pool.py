@@ -136,6 +136,10 @@ class Workers:
         """Start a worker, in a session of its own: the Ctrl-C of a terminal is for the command alone."""
         command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", self.address]
         command += ["--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--host", LOCALHOST, "--no-dashboard"]
+        command += [
+            "--dashboard-address",
+            f"{LOCALHOST}:0",
+        ]  # of its HTTP server, which it has without a dashboard, too
         command += ["--death-timeout", "60", "--local-directory", str(self.folder)]
         path = os.pathsep.join(filter(None, sys.path))
         windows: Any = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}

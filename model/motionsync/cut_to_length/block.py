@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .. import var
 from ..clock import Clock
 from ..cosine import cosine
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source, StartMode
 from ..cutting.material import Material
@@ -17,6 +17,7 @@ from ..cutting.outputs import show_line_request, show_orders
 from ..cutting.pieces import record_piece
 from ..cutting.records import PieceRecords, increased
 from ..exceeded_limit import ExceededLimit
+from ..grid import wrap
 from ..master import PathRefusal
 from .blade import Blade, stage_end
 from .carriage import Carriage, Stage
@@ -26,7 +27,7 @@ from .faults import Fault, Refusal, SawParameter, SkipReason
 from .homing_motion import is_accelerating
 from .instants import Condition, first_instant, has_reached_start
 from .interface import CutToLengthInterface, ToolMode
-from .late_cuts import CutDecision, decide_cut, delay_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
+from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
 from .machine_limits import approach_distance, lead
 from .outputs import show_piece, show_state, show_warnings
 from .pieces import fix_piece, update_piece
@@ -35,7 +36,7 @@ from .settings import MachineSettings, start_refusal
 
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
 MOST_PITCHES = 1e4  # that the master may travel in one step
-MOST_EVENTS = 1000000  # in a section of the path; so many never happen
+MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 
 
 @dataclass(slots=True)
@@ -95,12 +96,15 @@ class CutToLength(CutToLengthInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = MOST_PITCHES * self.predictions.pitch_orders if self.running else 0.0
+        longest = 0.0
+        if self.running or self.operation.is_started_now(self.start, self.auto_start):
+            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         self.read_demand()
         self.local.skip_reason = SkipReason.NONE
+        self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
             self.travel(section)
             if section == 0:
@@ -221,6 +225,10 @@ class CutToLength(CutToLengthInterface):
         )
         self.warning.mark_missing = self.material.is_mark_missing
         self.warning.mark_outside = self.material.is_mark_outside
+        self.warning.mark_refused = self.material.is_mark_refused
+        self.local.mark_refusal = self.material.mark_refusal
+        if self.material.mark_refusal != MarkRefusal.NONE:
+            self.local.refused_mark = wrap(self.material.refused_mark, master.period)
         if self.material.mark_fault != PieceFault.NONE:
             self.fail(self.material.mark_fault)
 
@@ -431,12 +439,14 @@ class CutToLength(CutToLengthInterface):
         distance = self.carriage.homing.end - machine.coupling * self.master.distance_beyond(piece.end, self.now)
         if is_crossed and not piece.waits_for_line():
             distance = approach_distance(machine, velocity)  # the same, without the rounding of positions
-        match decide_cut(self.settings.late_mode, piece, machine, velocity, distance):
+        earliest = cut_of_start(piece.end, self.carriage, self.master, self.now, lead(machine, velocity))
+        match decide_cut(self.settings.late_mode, piece, machine, velocity, distance, earliest):
             case CutDecision.MAKE:
                 self.enter_approaching(distance, False)
             case CutDecision.MAKE_LATE:
                 self.statistics.late = increased(self.statistics.late, 0.0 if piece.waits_for_line() else 1.0)
-                self.start_cut_at_once(True)
+                piece.end = earliest
+                self.enter_approaching(lead(machine, velocity), True)
             case CutDecision.SKIP:
                 distance = lead(machine, velocity)
                 show_skipped_cut(self, SkipReason.LATE, piece, self.carriage, self.now, distance)
@@ -449,16 +459,11 @@ class CutToLength(CutToLengthInterface):
                 self.fail(Fault.STROKE)
 
     def start_cut_now(self) -> None:
-        """Carry out a cut_now."""
-        self.operation.is_cut_pending = False
-        self.material.fix_short(self.master.begin)
-        self.start_cut_at_once(False)
-
-    def start_cut_at_once(self, is_late: bool) -> None:
-        """Cut where the carriage can be in sync first."""
+        """Carry out a cut_now: cut where the carriage can be in sync first, if there is material."""
         distance = lead(self.carriage.machine, self.master.velocity_at(self.now))
-        delay_cut(self.material.piece, self.carriage, self.master, self.now, distance)
-        self.enter_approaching(distance, is_late)
+        cut = cut_of_start(self.master.begin, self.carriage, self.master, self.now, distance)
+        if self.operation.try_take_cut(self.material, cut, True):
+            self.enter_approaching(distance, False)
 
     def skip_cuts_of_fast_line(self, until: float) -> None:
         """Leave out all cuts that are due before the line is slow enough, up to a time since the step's beginning."""
@@ -649,6 +654,7 @@ class CutToLength(CutToLengthInterface):
         self.local.marks_waiting = material.marks.waiting
         show_warnings(self, carriage, self.exceeded)
         self.local.ease = carriage.homing.share
+        self.local.no_length = material.missing_length() if self.running else NoLength.NONE
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)
         self.clock = self.block_clock.time
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from .. import var
 from ..axis_limits import AxisLimits
 from ..computable_range import LARGEST, SMALLEST_LIMIT
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
     ChangeMode,
@@ -135,6 +135,7 @@ class Warnings:
     gap_skipped: bool = var.local(False, "the gap was not opened, for the axis's limits; until the next cut")
     mark_missing: bool = var.local(False, "a mark did not come; until the next accepted one")
     mark_outside: bool = var.local(False, "an edge was no mark; until the next accepted one")
+    mark_refused: bool = var.local(False, "at a mark no piece could end; until the next accepted one")
     no_length: bool = var.local(False, "no length is given for the next piece")
     change_pending: bool = var.local(False, "a new length waits until the piece in progress has ended")
 
@@ -185,6 +186,13 @@ class Local:
     progress: float = var.local(0.0, "share of the approach that is done", min=0.0, max=1.0)
     ease: float = var.snapshot(1.0, "share of the limits that the way home uses")
     marks_waiting: int = var.local(0, "marks in the queue")
+    no_length: int = var.local(
+        0, "why no length is known for the next piece", codes=var.selected(NoLength, "NOT_GIVEN", "TOO_SHORT")
+    )
+    mark_refusal: int = var.local(
+        0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
+    )
+    refused_mark: float = var.snapshot(0.0, "master position of the last refused mark", Unit.POSITION)
     start_time: float = var.snapshot(0.0, "the block's time at the last start of an approach", Unit.TIME)
     home_time: float = var.snapshot(0.0, "the block's time at the last arrival at home", Unit.TIME)
     refused_parameter: int = var.local(

@@ -28,25 +28,27 @@ class CutDecision(Enumeration):
 
 
 def decide_cut(
-    late_mode: LateMode, piece: PieceInProgress, machine: Machine, velocity: float, distance: float
+    late_mode: LateMode, piece: PieceInProgress, machine: Machine, velocity: float, distance: float, earliest: float
 ) -> CutDecision:
-    """Decide about the next cut at a line velocity, u/s, if `distance`, u, is left for the carriage's way into sync.
+    """Decide about the next cut at a line velocity, u/s, if `distance`, u, is left for the carriage's way into sync and
+    the earliest cut is at the position `earliest`, u.
 
-    A trimming or short cut is never skipped, but waits for a line that is slow enough."""
+    A trimming or short cut is never skipped, but waits for a line that is slow enough. A cut that leaves no piece, at a
+    mark that another cut has overtaken, is late."""
     waits = piece.waits_for_line()
     if not (waits or is_admissible(machine, velocity)):
         return CutDecision.STOP_FAST_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP_UNTIL_ADMISSIBLE
-    if distance >= lead(machine, velocity) * IN_TIME:
+    if distance >= lead(machine, velocity) * IN_TIME and piece.leaves_length(piece.end):
         return CutDecision.MAKE
-    if waits or late_mode == LateMode.LATE:
+    if waits or (late_mode == LateMode.LATE and piece.leaves_length(earliest)):
         return CutDecision.MAKE_LATE
     return CutDecision.STOP_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP
 
 
-def delay_cut(piece: PieceInProgress, carriage: Carriage, master: Master, now: float, distance: float) -> None:
-    """Move the cut to where an approach over a distance starts now."""
+def cut_of_start(cut: float, carriage: Carriage, master: Master, now: float, distance: float) -> float:
+    """The position of the cut to which an approach over a distance starts now; `cut` is any one near it."""
     start = (carriage.homing.end - distance) / carriage.machine.coupling
-    piece.end += master.distance_beyond(piece.end, now) - start
+    return cut + (master.distance_beyond(cut, now) - start)
 
 
 def show_skipped_cut(

@@ -114,6 +114,7 @@ def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: Exc
         or warning.gap_skipped
         or warning.mark_missing
         or warning.mark_outside
+        or warning.mark_refused
         or warning.no_length
         or warning.change_pending
     )

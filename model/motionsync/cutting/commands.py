@@ -10,7 +10,7 @@ from .interface import Calibration, Order, Statistics
 from .material import Material
 from .records import PieceRecords
 
-LEAST_FACTOR = 1e-6  # of a calibration
+LEAST_FACTOR = 0.5  # of a calibration: what is beyond it, or beyond its reciprocal, comes from a wrong measurement
 
 
 @dataclass(slots=True)

@@ -144,6 +144,7 @@ class Statistics:
     marks: int = var.local(0, "marks seen and accepted")
     marks_missing: int = var.local(0, "marks that did not come")
     marks_outside: int = var.local(0, "edges that were no marks")
+    marks_refused: int = var.local(0, "marks at which no piece could end")
     unsynchronised: int = var.local(0, "times that the tool was in the material and not in sync with it")
     length_good: float = var.snapshot(0.0, "length of the good pieces", Unit.POSITION)
     length_waste: float = var.snapshot(0.0, "length of waste, bad pieces and samples apart", Unit.POSITION)

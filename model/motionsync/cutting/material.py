@@ -6,14 +6,16 @@ Positions are unwrapped positions of the master at which a cut passes slave posi
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import nearest_on_grid
-from .faults import PieceFault
+from ..grid import floor, nearest_on_grid, rounding_tolerance
+from .faults import MarkRefusal, NoLength, PieceFault
 from .interface import Mark, PieceKind, Source, StartMode, Statistics
 from .marks import MarkQueue
 from .orders import OrderQueue
-from .piece import LEAST_MATERIAL, NO_ORDER, UNLIMITED, PieceInProgress
+from .piece import CAPACITY, LEAST_LENGTH, NO_ORDER, UNLIMITED, PieceInProgress
 from .records import increased
 from .settings import PieceSettings
+
+FARTHEST_MARK = 1e4  # of the spacing of marks: a cut further ahead is none
 
 
 @dataclass(slots=True)
@@ -53,8 +55,10 @@ class Material:
     Attributes:
         is_sample_pending: a sample is to be cut after the next cut.
         has_cut: a cut has been made, at `last_cut`, with this kerf and length correction.
-        mark_fault: what is wrong with the marks that were watched last.
-        is_mark_missing, is_mark_outside: since the last accepted mark one did not come, or an edge was no mark.
+        mark_fault, mark_refusal: what is wrong with the marks that were watched last, and why one was refused, which is
+            at `refused_mark`.
+        is_mark_missing, is_mark_outside, is_mark_refused: since the last accepted mark one did not come, an edge was no
+            mark, or one was refused.
         queue_pitch: the least pitch of all that waits, with this allowance of kerf and correction, u, and this factor.
     """
 
@@ -69,8 +73,11 @@ class Material:
     last_kerf: float = 0.0
     last_correction: float = 0.0
     mark_fault: PieceFault = PieceFault.NONE
+    mark_refusal: MarkRefusal = MarkRefusal.NONE
+    refused_mark: float = 0.0
     is_mark_missing: bool = False
     is_mark_outside: bool = False
+    is_mark_refused: bool = False
     queue_allowance: float = 0.0
     queue_factor: float = 0.0
     queue_pitch: float = UNLIMITED
@@ -136,8 +143,18 @@ class Material:
 
     def fix_length(self, kind: PieceKind, length: float, order: int) -> None:
         """Give the piece this length, if a piece can have it."""
-        if length > 0.0 and self.piece.material_of(length) > LEAST_MATERIAL:
+        if self.piece.can_have(length):
             self.piece.fix(kind, length, order)
+
+    def missing_length(self) -> NoLength:
+        """Why no length is known for the piece that starts at the last cut."""
+        if self.piece.is_fixed or self.demand.source == Source.MARK:
+            return NoLength.NONE
+        length = self.expected_length(False)
+        is_input = not self.demand.waste and not self.is_sample_pending and self.orders.waiting == 0
+        if is_input and length <= LEAST_LENGTH:
+            return NoLength.NOT_GIVEN
+        return NoLength.NONE if self.piece.can_have(length) else NoLength.TOO_SHORT
 
     def fix_marked(self) -> None:
         """The piece ends at the next mark that is cut. Without their spacing marks do not determine its length."""
@@ -152,13 +169,16 @@ class Material:
             piece.end = self.marks.position(0)
             piece.pitch = limiting_distance(piece.end - piece.begin)
 
-    def fix_short(self, end: float) -> None:
-        """The piece ends with a cut out of turn, at this position."""
+    def try_fix_short(self, end: float) -> bool:
+        """The piece ends with a cut out of turn, at this position; False: it would have no length."""
         if not self.piece.is_fixed:
             self.measure_piece()
+        if not self.piece.leaves_length(end):
+            return False
         self.piece.is_fixed = True
         self.piece.kind = PieceKind.SHORT
         self.piece.end = end
+        return True
 
     def next_product(self) -> tuple[float, int]:
         """Length of the product that is due, and the number of its order."""
@@ -181,7 +201,8 @@ class Material:
     def skip_pitches(self, number: float, statistics: Statistics) -> None:
         """Leave out so many cuts: the piece ends with the one after them."""
         self.piece.kind = PieceKind.MERGED
-        self.piece.end += number * self.piece.pitch
+        end = self.piece.end + number * self.piece.pitch
+        self.piece.end = max(end, self.piece.end + rounding_tolerance(end, end))
         statistics.skipped = increased(statistics.skipped, number)
 
     def end_piece(self, end: float) -> None:
@@ -201,28 +222,59 @@ class Material:
     def watch_marks(
         self, mark: Mark, detected: bool, master: float, velocity: float, period: float, statistics: Statistics
     ) -> None:
-        """Take a mark that the sensor has seen, and count those that should have come; `mark_fault` is the result.
+        """Take a mark that the sensor has seen, and count those that should have come; `mark_fault` and `mark_refusal`
+        are the result.
 
         The master has this position and velocity at the beginning of the step; `period` is that of its turns."""
         self.mark_fault = PieceFault.NONE
+        self.mark_refusal = MarkRefusal.NONE
         settings = self.settings.mark
         delayed = master - velocity * settings.delay
         position = delayed
         if detected and mark.latched:
             position = nearest_on_grid(mark.position, period, master)
+        is_far = detected and self.is_far_ahead(position, master)
         is_expected = settings.spacing > 0.0 and settings.window > 0.0
         if is_expected:
-            self.count_missing_marks(position if detected else delayed, mark.substitute, statistics)
+            self.count_missing_marks(position if detected and not is_far else delayed, mark.substitute, statistics)
         if detected and self.mark_fault == PieceFault.NONE:
-            if is_expected and self.is_before_window(position):
-                statistics.marks_outside += 1
+            if is_far:
+                self.refuse_mark(MarkRefusal.FAR, position, statistics)
+            elif is_expected and self.is_before_window(position):
+                statistics.marks_outside = increased(statistics.marks_outside, 1.0)
                 self.is_mark_outside = True
+            elif not self.leaves_length_before(position):
+                self.refuse_mark(MarkRefusal.NO_LENGTH, position, statistics)
             else:
-                statistics.marks += 1
+                statistics.marks = increased(statistics.marks, 1.0)
                 self.is_mark_missing = False
                 self.is_mark_outside = False
+                self.is_mark_refused = False
                 self.marks.missing = 0
                 self.add_mark(position)
+
+    def refuse_mark(self, reason: MarkRefusal, position: float, statistics: Statistics) -> None:
+        """The edge at a position is no mark: nothing is cut there, and no other mark is expected from there."""
+        self.mark_refusal = reason
+        self.refused_mark = position
+        statistics.marks_refused = increased(statistics.marks_refused, 1.0)
+        self.is_mark_refused = True
+
+    def is_far_ahead(self, position: float, master: float) -> bool:
+        """Whether the cut of a mark at a position would be further ahead than any sensor is."""
+        spacing = self.settings.mark.spacing / self.settings.factor
+        return spacing > 0.0 and self.cut_of_mark(position) - master > FARTHEST_MARK * spacing
+
+    def leaves_length_before(self, position: float) -> bool:
+        """Whether between the cut of a mark at a position and the cut before it a piece of some length is left."""
+        waiting = self.marks.waiting
+        before = self.marks.position(waiting - 1) if waiting > 0 else self.piece.begin
+        return self.settings.factor * (self.cut_of_mark(position) - before) - self.settings.kerf > LEAST_LENGTH
+
+    def cut_of_mark(self, position: float) -> float:
+        """Where the cut of a mark at a position passes slave position 0."""
+        mark = self.settings.mark
+        return position + (mark.sensor_distance + mark.cut_offset) / self.settings.factor
 
     def is_before_window(self, position: float) -> bool:
         """Whether a position is before the window in which the next mark is expected."""
@@ -230,33 +282,49 @@ class Material:
         return self.marks.has_last and position < self.marks.last + window_start
 
     def count_missing_marks(self, position: float, substitute: bool, statistics: Statistics) -> None:
-        """Count the marks that should have come before a position; `substitute`: add a mark for each of them."""
+        """Count the marks that should have come before a position; `substitute`: add a mark for each of them.
+
+        All that do not come between two substitutes that are cut, at most 64 of which wait, are counted at once."""
+        spacing = self.settings.mark.spacing / self.settings.factor
+        for _ in range(CAPACITY + 2):
+            number = self.missing_marks(position)
+            if number == 0.0 or self.mark_fault != PieceFault.NONE:
+                break
+            if substitute:
+                number = min(number, float(self.marks.until_cut) + 1.0)
+            allowed = min(number, max(float(self.settings.mark.max_missing - self.marks.missing), 0.0))
+            counted = min(number, allowed + 1.0)
+            self.marks.missing = increased(self.marks.missing, counted)
+            statistics.marks_missing = increased(statistics.marks_missing, counted)
+            self.is_mark_missing = True
+            last = self.marks.last + allowed * spacing
+            if counted == allowed and substitute:
+                self.marks.until_cut -= int(allowed) - 1
+                self.add_mark(last)
+                continue
+            self.marks.last = last
+            if counted > allowed:
+                self.mark_fault = PieceFault.MARKS_MISSING
+                self.marks.until_cut -= int(allowed) if substitute else 0
+
+    def missing_marks(self, position: float) -> float:
+        """How many marks should have come before a position, and have not."""
         spacing = self.settings.mark.spacing / self.settings.factor
         window = self.settings.mark.window / self.settings.factor
-        while (
-            self.mark_fault == PieceFault.NONE and self.marks.has_last and position > self.marks.last + spacing + window
-        ):
-            self.marks.missing += 1
-            statistics.marks_missing += 1
-            self.is_mark_missing = True
-            if self.marks.missing > self.settings.mark.max_missing:
-                self.mark_fault = PieceFault.MARKS_MISSING
-            elif substitute:
-                self.add_mark(self.marks.last + spacing)
-            else:
-                self.marks.last += spacing
+        if not (self.marks.has_last and position > self.marks.last + spacing + window):
+            return 0.0
+        return max(-floor(-(position - self.marks.last - window) / spacing) - 1.0, 1.0)
 
     def add_mark(self, position: float) -> None:
         """Take a mark at this position of the master."""
-        mark = self.settings.mark
         self.marks.has_last = True
         self.marks.last = position
-        if not self.marks.try_select(mark.every):
+        if not self.marks.try_select(self.settings.mark.every):
             return
         if self.marks.is_full():
             self.mark_fault = PieceFault.MARKS_FULL
             return
-        self.marks.append(position + (mark.sensor_distance + mark.cut_offset) / self.settings.factor)
+        self.marks.append(self.cut_of_mark(position))
         if not self.piece.is_fixed:
             is_merged = self.piece.kind == PieceKind.MERGED
             self.fix_piece()
@@ -285,9 +353,20 @@ class Material:
         if self.demand.source == Source.MARK:
             if self.marks.waiting > 1:
                 return limiting_distance(self.marks.position(1) - self.marks.position(0))
-            spacing = self.settings.mark.spacing * float(self.settings.mark.every)
-            return spacing / self.settings.factor if spacing > 0.0 else UNLIMITED
+            return self.pitch_of_marks()
         return self.pitch_of(self.expected_length(running))
+
+    def pitch_of_marks(self) -> float:
+        """The pitch of cuts at marks in their spacing; UNLIMITED: it is not given."""
+        spacing = self.settings.mark.spacing * float(self.settings.mark.every)
+        return spacing / self.settings.factor if spacing > 0.0 else UNLIMITED
+
+    def repeated_pitch(self, shortest: float, length: float) -> float:
+        """The least pitch that may come again and again in a step: of `shortest`, the least one at its beginning, and
+        of the input length as it is now. The marks that wait are few, and each is cut at most once."""
+        if self.demand.source == Source.MARK:
+            return self.pitch_of_marks()
+        return min(shortest, self.pitch_of(length)) if self.orders.waiting == 0 else shortest
 
     def expected_length(self, running: bool) -> float:
         """The length of the piece after the one in progress."""
@@ -302,7 +381,7 @@ class Material:
     def pitch_of(self, length: float) -> float:
         """The pitch of a piece of that length; UNLIMITED: a piece cannot have it."""
         material = length + self.demand.length_correction + self.settings.kerf
-        return material / self.settings.factor if length > 0.0 and material > LEAST_MATERIAL else UNLIMITED
+        return material / self.settings.factor if min(length, material) > LEAST_LENGTH else UNLIMITED
 
     def shortest_pitch(self) -> float:
         """The least pitch of all orders that wait, or of all marks; UNLIMITED without any."""

@@ -6,6 +6,7 @@ from .. import var
 from ..slave import Edge
 from .commands import PieceCommands
 from .faults import PieceFault
+from .material import Material
 
 
 @dataclass(slots=True)
@@ -39,6 +40,10 @@ class Operation:
         self.reset_edge.take_level(reset)
         self.cut_now_edge.take_level(cut_now)
 
+    def is_started_now(self, start: bool, auto_start: bool) -> bool:
+        """Whether the command start comes in the present step; it may be refused."""
+        return (start and not self.start_edge.before) or (auto_start and not self.has_stepped)
+
     def start(self) -> None:
         """Accept the command start."""
         self.pieces.fault = PieceFault.NONE
@@ -64,6 +69,15 @@ class Operation:
         else:
             self.pieces.fault = PieceFault.NONE
             self.is_cut_pending = True
+
+    def try_take_cut(self, material: Material, cut: float, is_reachable: bool) -> bool:
+        """Carry out the cut_now that waits: the piece ends at this position. It is refused if the cut cannot be reached
+        from here, or leaves no piece."""
+        self.is_cut_pending = False
+        if is_reachable and material.try_fix_short(cut):
+            return True
+        self.pieces.fault = PieceFault.CUT_NOW
+        return False
 
     def fail(self, fault: int) -> None:
         """The machine stops for a fault."""

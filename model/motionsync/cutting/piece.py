@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+from ..grid import rounding_tolerance
 from .interface import PieceKind
 
 NO_ORDER = -1
 UNLIMITED = 1e300  # u: a pitch that limits nothing
-LEAST_MATERIAL = 1e-6  # u: a piece, with its kerf, that is no longer than this has no length
+LEAST_LENGTH = 1e-6  # u: a piece that is no longer than this, or no longer with its kerf, is none
+ROUNDED = 4.0  # rounding tolerances that cover the rounding of a piece's length
 CAPACITY = 64  # of the queue of orders, and of that of marks
 MOST = 2147483647  # the largest number that FMI's Integer has
 
@@ -42,6 +44,21 @@ class PieceInProgress:
         """The length of the piece if it is cut at this position, u."""
         return self.factor * (end - self.begin) - self.kerf - self.correction
 
+    def leaves_length(self, end: float) -> bool:
+        """Whether a cut at this position leaves a piece of some length."""
+        return min(self.length(end), self.factor * (end - self.begin)) > LEAST_LENGTH
+
+    def can_have(self, length: float) -> bool:
+        """Whether it can have a length, u: one that rounding of the cuts' positions does not hide."""
+        material = self.material_of(length)
+        least = ROUNDED * self.factor * rounding_tolerance(self.begin, material / self.factor)
+        return min(length, material) > max(LEAST_LENGTH, least)
+
+    def least_end(self) -> float:
+        """The first position, but for rounding, at which a cut leaves a piece of some length."""
+        least = (max(self.kerf + self.correction, 0.0) + LEAST_LENGTH) / self.factor
+        return self.begin + (least + ROUNDED * rounding_tolerance(self.begin, least))
+
     def material_of(self, length: float) -> float:
         """The material that a piece of a length takes, its kerf included, u."""
         return length + self.correction + self.kerf
@@ -67,4 +84,4 @@ class PieceInProgress:
         self.has_ordered_length = True
         self.pitch = self.material_of(length) / self.factor
         self.order = order
-        self.end = self.begin + self.pitch
+        self.end = max(self.begin + self.pitch, self.least_end())

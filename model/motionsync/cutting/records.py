@@ -61,19 +61,19 @@ class PieceRecords:
 
     def count(self, statistics: Statistics, last: LastPiece) -> None:
         """Add the last piece to the statistics."""
-        statistics.cuts += 1
+        statistics.cuts = increased(statistics.cuts, 1.0)
         statistics.reserve_worst = min(statistics.reserve_worst, last.reserve)
         if last.good:
-            statistics.pieces_good += 1
+            statistics.pieces_good = increased(statistics.pieces_good, 1.0)
             statistics.length_good += last.length
         elif last.kind == PieceKind.SAMPLE:
-            statistics.pieces_sample += 1
+            statistics.pieces_sample = increased(statistics.pieces_sample, 1.0)
         else:
             statistics.length_waste += last.length
             if last.kind in (PieceKind.WASTE, PieceKind.TRIM):
-                statistics.pieces_waste += 1
+                statistics.pieces_waste = increased(statistics.pieces_waste, 1.0)
             else:
-                statistics.pieces_bad += 1
+                statistics.pieces_bad = increased(statistics.pieces_bad, 1.0)
         if last.kind == PieceKind.PRODUCT:
             self.count_error(statistics, last.error)
 

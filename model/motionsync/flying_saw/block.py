@@ -20,6 +20,7 @@ from .interface import FlyingSawInterface
 from .motion_request import MotionRequest
 from .profile import Profile, ProfileKind
 from .profile_plan import ProfilePlan
+from .saw_master import coupling_acceleration
 from .segments import add_ramp_from_acceleration, ramp_duration
 from .stage import Stage
 from .time_based_sync import TimeBasedSync
@@ -177,7 +178,7 @@ class FlyingSaw(FlyingSawInterface):
         """gear_in_velo or gear_in_pos, at once, or when the master passes the start ahead."""
         master_position = self.master.begin
         request = self.new_request
-        self.set_plan_start(0.0, master_position, self.master.begin_velocity, self.master.begin_acceleration)
+        self.set_plan_start(request, 0.0, master_position, self.master.begin_velocity, self.master.begin_acceleration)
         direction = 1.0 if self.master.begin_velocity > 0.0 else -1.0
         start = request.master_sync - direction * request.start_distance
         later = request.start_distance > 0.0 and (master_position - start) * direction < 0.0
@@ -229,10 +230,14 @@ class FlyingSaw(FlyingSawInterface):
 
     # --- coupling ---
 
-    def set_plan_start(self, time: float, master_position: float, velocity: float, acceleration: float) -> None:
-        """Set the states from which the plan starts: the master's as given, the slave's as it then is."""
+    def set_plan_start(
+        self, request: GearInRequest, time: float, master_position: float, velocity: float, acceleration: float
+    ) -> None:
+        """Set the states from which the request is planned: the master's as given, but for what an encoder makes of its
+        acceleration; the slave's as it then is."""
         self.set_slave_at(time, master_position, velocity, acceleration)
-        self.plan.master.set(master_position, velocity, acceleration)
+        counted = acceleration if request.mode.time_based else coupling_acceleration(self.master, acceleration)
+        self.plan.master.set(master_position, velocity, counted)
         self.plan.slave.set(self.slave.position, self.slave.velocity, self.slave.acceleration)
 
     def try_plan(self, request: GearInRequest) -> Fault:
@@ -263,11 +268,13 @@ class FlyingSaw(FlyingSawInterface):
         """The master passes the start: plan the waiting command from the present state.
 
         If that is refused, a motion of the slave's own goes on, and a coupled slave runs on at its velocity."""
-        self.set_plan_start(time, self.start_position, self.master.velocity_at(time), self.master.end_acceleration)
+        request = self.pending_request
+        velocity = self.master.velocity_at(time)
+        self.set_plan_start(request, time, self.start_position, velocity, self.master.end_acceleration)
         self.waiting = False
-        fault = self.try_plan(self.pending_request)
+        fault = self.try_plan(request)
         if fault == Fault.NONE:
-            var.copy(self.active_request, self.pending_request)
+            var.copy(self.active_request, request)
             self.couple(time, self.start_position)
         else:
             self.fail_owner(fault)
@@ -277,8 +284,10 @@ class FlyingSaw(FlyingSawInterface):
 
     def couple_again(self, time: float) -> None:
         """The master passes the coupling position forwards again: plan anew from the present state."""
-        self.set_plan_start(time, self.coupling_position, self.master.velocity_at(time), self.master.end_acceleration)
-        fault = self.try_plan(self.active_request)
+        request = self.active_request
+        velocity = self.master.velocity_at(time)
+        self.set_plan_start(request, time, self.coupling_position, velocity, self.master.end_acceleration)
+        fault = self.try_plan(request)
         if fault == Fault.NONE:
             self.couple(time, self.coupling_position)
         else:
@@ -364,7 +373,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def enter_parked(self, section: int) -> None:
         """The master passes the coupling position backwards: to rest at once, or along the ramp of gear_in_velo."""
-        position = self.coupling_position - self.direction * self.master.uncertain_travel()
+        position = self.parking_position()
         time = self.master.path.crossing_time(section, position)
         self.set_slave_at(time, position, self.master.velocity_at(time), self.master.end_acceleration)
         self.profile.start(ProfileKind.NONE, self.slave.position)
@@ -422,7 +431,7 @@ class FlyingSaw(FlyingSawInterface):
             case Stage.PROFILE:
                 happened = self.try_event_profile(section, end)
             case Stage.TIME_BASED:
-                happened = self.try_event_time_based(section)
+                happened = self.try_event_time_based(section, end)
             case Stage.IN_SYNC:
                 happened = self.try_event_in_sync(section, end)
             case Stage.PARKED:
@@ -459,19 +468,29 @@ class FlyingSaw(FlyingSawInterface):
             self.reached_position = self.master_sync
             self.enter_in_sync()
             return True
-        if self.distance_beyond_coupling(end) < -self.master.uncertain_travel():
+        if self.is_behind_coupling(end):
             self.enter_parked(section)
             return True
         return False
 
-    def try_event_time_based(self, section: int) -> bool:
-        """The velocities meet, or the target reaches its limit or leaves it; section 0 shows how the master
-        moves now."""
-        if section == 0:
+    def try_event_time_based(self, section: int, end: float) -> bool:
+        """The motion in time goes on up to the section's end, or until a master that turns back passes the coupling
+        position, if sync_mode says that the slave rests then. Section 0 shows how the master moves now."""
+        mode = self.active_request.mode
+        parks = (mode.rollback_lock or mode.instant_stop_on_rollback) and self.is_behind_coupling(end)
+        if section == 0 and not parks:
             self.update_time_based(0.0)
-            return False
-        meeting = min(self.motion.end_time() - self.motion.clock.time, self.part_end_time)
-        over = self.motion.is_over(self.motion.clock.time + self.part_end_time)
+        last = self.master.path.crossing_time(section, self.parking_position()) if parks else self.part_end_time
+        if section > 0 and self.try_meet_target(last):
+            return True
+        if parks:
+            self.enter_parked(section)
+        return parks
+
+    def try_meet_target(self, last: float) -> bool:
+        """Up to the time `last` the velocities meet, or the target reaches its limit or leaves it."""
+        meeting = min(self.motion.end_time() - self.motion.clock.time, last)
+        over = self.motion.is_over(self.motion.clock.time + last)
         meets = over and self.time_based.reachable and not self.time_based.at_limit
         limit = self.time_based.time_to_limit(
             self.active_request, self.master.velocity_at(self.compared_at), self.master.mean_acceleration()
@@ -485,7 +504,7 @@ class FlyingSaw(FlyingSawInterface):
             self.reached_position = self.master_sync
             self.enter_in_sync()
             return True
-        if 0.0 <= limit <= self.part_end_time:
+        if 0.0 <= limit <= last:
             self.update_time_based(limit)
             return True
         return False
@@ -498,8 +517,7 @@ class FlyingSaw(FlyingSawInterface):
             if abs(end - self.coupling_position) > SAME_PLACE * (abs(end) + abs(self.coupling_position)):
                 self.direction = 1.0 if end > self.coupling_position else -1.0
             return False
-        back = -self.master.uncertain_travel()
-        passed = self.distance_beyond_coupling(end) < back <= self.distance_beyond_coupling(self.reached_position)
+        passed = self.is_behind_coupling(end) and not self.is_behind_coupling(self.reached_position)
         if self.active_request.mode.rollback_lock and passed:
             self.enter_parked(section)
             return True
@@ -512,6 +530,14 @@ class FlyingSaw(FlyingSawInterface):
         self.reached_position = self.coupling_position
         self.couple_again(self.master.path.crossing_time(section, self.coupling_position))
         return True
+
+    def parking_position(self) -> float:
+        """The master's position behind which it has passed the coupling position backwards, u."""
+        return self.coupling_position - self.direction * self.master.uncertain_travel()
+
+    def is_behind_coupling(self, position: float) -> bool:
+        """Whether a master at that position has passed the coupling position backwards."""
+        return self.distance_beyond_coupling(position) < -self.master.uncertain_travel()
 
     def distance_beyond_coupling(self, position: float) -> float:
         """The distance of a position from the coupling position, in the coupling's direction, u; 0 within rounding."""

@@ -38,7 +38,7 @@ def find_velocity_fault(extremes: Extremes, request: GearInRequest, start: float
     if request.mode.check_max_velocity and extremes.velocity_min < -request.velocity - tolerance:
         return Fault.VELOCITY_BELOW
     fault = find_beyond_ends(extremes, request, start, end, tolerance)
-    return fault if fault != Fault.NONE else find_across_zero(extremes, request, start, end, master, tolerance)
+    return fault if fault != Fault.NONE else find_across_zero(extremes, request, end, master, tolerance)
 
 
 def find_beyond_ends(extremes: Extremes, request: GearInRequest, start: float, end: float, tolerance: float) -> Fault:
@@ -60,17 +60,12 @@ def find_beyond_ends(extremes: Extremes, request: GearInRequest, start: float, e
     return Fault.NONE
 
 
-def find_across_zero(
-    extremes: Extremes, request: GearInRequest, start: float, end: float, master: float, tolerance: float
-) -> Fault:
-    """The fault of a velocity above zero, or of one against the synchronous velocity.
-
-    A slave that starts against the synchronous velocity is exempt from the latter check."""
+def find_across_zero(extremes: Extremes, request: GearInRequest, end: float, master: float, tolerance: float) -> Fault:
+    """The fault of a velocity above zero, or of one against the synchronous velocity, both at the start too."""
     lowest = extremes.velocity_min if end > 0.0 else -extremes.velocity_max
-    starts_along = start * end >= 0.0
     if request.mode.check_overshoot_velocity_zero and extremes.velocity_max > tolerance:
         return Fault.ABOVE_ZERO if master > 0.0 else Fault.ABOVE_ZERO_BACK
-    if request.mode.check_undershoot_velocity_zero and starts_along and lowest < -tolerance:
+    if request.mode.check_undershoot_velocity_zero and lowest < -tolerance:
         return Fault.BELOW_ZERO if master > 0.0 else Fault.BELOW_ZERO_BACK
     return Fault.NONE
 

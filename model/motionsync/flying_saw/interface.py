@@ -1,7 +1,7 @@
 """All variables of the FlyingSaw in the order in which the FMU shows them, and the enumerations that it shows.
 
 What is wired comes first: the master, the commands, the slave and the block's status. Then come what is set once for a
-machine and what is watched. The parts with variables of their own are in `master`, `slave`, `axis_limits`,
+machine and what is watched. The parts with variables of their own are in `saw_master`, `slave`, `axis_limits`,
 `sync_mode`, `commands` and `characteristics`.
 """
 
@@ -11,12 +11,12 @@ from .. import var
 from ..axis_limits import AxisLimits
 from ..computable_range import LARGEST
 from ..exceeded_limit import ExceededLimit, Limit
-from ..master import Master
 from ..slave import Slave
 from ..var import Enumeration, Report, Unit
 from .characteristics import Characteristics
 from .commands import GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Reset
 from .extremes import Extremes
+from .saw_master import SawMaster
 from .sync_mode import SyncMode
 
 
@@ -99,7 +99,7 @@ class Local:
 class FlyingSawInterface:
     """The inputs, parameters, outputs and locals of the block."""
 
-    master: Master = var.part(Master)
+    master: SawMaster = var.part(SawMaster)
     gear_in_pos: GearInPos = var.part(GearInPos)
     gear_in_velo: GearInVelo = var.part(GearInVelo)
     gear_out: GearOut = var.part(GearOut)

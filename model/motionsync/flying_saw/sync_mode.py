@@ -43,10 +43,13 @@ class SyncMode:
         False, "no velocity short of start and synchronous one (GEARINSYNC_CHECKMASK_UNDERSHOOTVELO, 0x800)"
     )
     check_overshoot_velocity_zero: bool = var.switch(
-        False, "refuse a velocity above zero (GEARINSYNC_CHECKMASK_OVERSHOOTVELOZERO, 0x1000)"
+        False,
+        "refuse a velocity above zero, at the start too (GEARINSYNC_CHECKMASK_OVERSHOOTVELOZERO, 0x1000)",
     )
     check_undershoot_velocity_zero: bool = var.switch(
-        False, "refuse a velocity against the synchronous one (GEARINSYNC_CHECKMASK_UNDERSHOOTVELOZERO, 0x2000)"
+        False,
+        "refuse a velocity against the synchronous one, at the start too "
+        "(GEARINSYNC_CHECKMASK_UNDERSHOOTVELOZERO, 0x2000)",
     )
     rollback_lock: bool = var.switch(
         False,

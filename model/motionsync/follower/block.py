@@ -237,7 +237,7 @@ class Follower(FollowerInterface):
         """A cycle starts, or its start is missed; or no start can be computed, which is an alarm. Where the master goes
         back, the meeting is chosen again, and nothing starts."""
         current = self.sequence.current
-        is_falling = end < self.reached
+        is_falling = self.master.goes_against(1.0, section, end - self.reached)
         position = end if is_falling else self.reached
         if not is_start_computable(self):
             self.alarm_at(parameter_fault(self, current.park), section, position)

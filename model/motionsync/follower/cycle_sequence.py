@@ -71,8 +71,7 @@ class CycleSequence:
         slave has left the park to join a late meeting or has missed the start to one."""
         if parameters.variable_cycle:
             return self.try_choose_value(parameters, section, master)
-        self.choose_next_meeting(parameters, master)
-        return False
+        return self.try_choose_next_meeting(parameters, master)
 
     def approach_travel(self, parameters: FollowerInterface) -> float:
         """M_f from where the slave is parked."""
@@ -80,12 +79,20 @@ class CycleSequence:
             return self.current.approach_travel
         return ramp_travel(parameters, self.current.park)
 
-    def choose_next_meeting(self, parameters: FollowerInterface, master: float) -> None:
-        """Fixed cycle: choose the first meeting whose start is not behind the master."""
+    def try_choose_next_meeting(self, parameters: FollowerInterface, master: float) -> bool:
+        """Fixed cycle: choose the first meeting whose start is not behind the master. True: that of the present cycle
+        is behind, which is missed. The present cycle's meeting is the next one ahead of the master or, if the slave
+        expected one, the one nearest to that."""
+        tolerance = POSITION_TOLERANCE * parameters.master_cycle
         approach = self.approach_travel(parameters)
-        soonest = master - POSITION_TOLERANCE * parameters.master_cycle + approach
+        soonest = master - tolerance + approach
+        present = self.meetings.first_from(parameters, master + tolerance)
+        if self.current.has_meeting:
+            lowest = self.current.meeting - 0.5 * parameters.master_cycle - tolerance
+            present = self.meetings.first_from(parameters, lowest)
         earliest = max(soonest, self.current.earliest_next_meeting)
         self.current.set_meeting(parameters, self.meetings.first_from(parameters, earliest), approach)
+        return present < soonest and self.try_miss_start(parameters, master, self.current.start())
 
     def try_choose_value(self, parameters: FollowerInterface, section: int, master: float) -> bool:
         """Variable cycle: choose the new value, unless its start is behind the master."""
@@ -99,15 +106,18 @@ class CycleSequence:
             return False
         if not self.try_join(parameters, master, parameters.master.path.crossing_time(section, master)):
             self.meetings.has_new_value = False
-            self.miss_start(parameters, master, meeting, approach)
+            self.try_miss_start(parameters, master, meeting + parameters.master_cycle - approach)
             self.current.earliest_next_meeting = -FAR
         return True
 
-    def miss_start(self, parameters: FollowerInterface, master: float, meeting: float, approach: float) -> None:
-        """Wait for the next cycle: up to the start one cycle later, less the wait, if that is still ahead."""
-        until = meeting + parameters.master_cycle - approach - wait_travel(parameters)
-        if until > master:
-            self.current.enter_waiting_next_cycle(until)
+    def try_miss_start(self, parameters: FollowerInterface, master: float, next_start: float) -> bool:
+        """Wait for the next cycle, up to its start, less the wait. False: it is behind, or is waited for already."""
+        until = next_start - wait_travel(parameters)
+        is_awaited = self.current.stage == Stage.WAITING_NEXT_CYCLE and self.current.next_cycle_from == until
+        if until <= master or is_awaited:
+            return False
+        self.current.enter_waiting_next_cycle(until)
+        return True
 
     def try_start_cycle(self, parameters: FollowerInterface, master: float) -> Fault:
         """The way to the meeting starts, or is not carried out; the master is there, or beyond."""
@@ -116,7 +126,7 @@ class CycleSequence:
         if self.stays_at_park:
             if not meeting + parameters.master_cycle > meeting:  # rounding would let the same start come for ever
                 return Fault.CYCLE_TOO_SHORT
-            self.miss_start(parameters, master, meeting, self.current.approach_travel)
+            self.try_miss_start(parameters, master, meeting + parameters.master_cycle - self.current.approach_travel)
             self.current.earliest_next_meeting = meeting + 0.5 * parameters.master_cycle
             self.meetings.has_new_value = False
             self.current.has_meeting = False

@@ -11,7 +11,7 @@ MASTER_TRAVEL = ("master.position", "master_cycle")
 
 
 class Fault(Enumeration):
-    """Why a positioning was refused (1) or the slave has stopped (2 to 14)"""
+    """Why a positioning was refused (1) or the slave has stopped (2 to 16)"""
 
     NONE = 0, "no fault"
     POSITIONING = (
@@ -52,6 +52,8 @@ class Fault(Enumeration):
         "stopped: the master has moved backwards by more than 1e-9 master_cycle since the slave left its park",
         *MASTER_TRAVEL,
     )
+    SPEED_POSITIONING = 15, "stopped: max_speed exceeded in M_POSITIONING", *SPEED
+    ACCELERATION_POSITIONING = 16, "stopped: max_acceleration exceeded in M_POSITIONING", *ACCELERATION
 
 
 class Refusal(Enumeration):

@@ -107,7 +107,7 @@ class FollowerInterface:
     )
     cycle: int = var.output(0, "cycles completed: counted at the end of the synchronized phase")
     error: bool = var.output(False, "a positioning was refused, or the slave is in M_IN_ALARM")
-    error_id: int = var.output(0, "why: 1 positioning refused; 2 to 14 alarms", codes=Fault)
+    error_id: int = var.output(0, "why: 1 positioning refused; 2 to 16 alarms", codes=Fault)
     master_cycle: float = var.length(
         1000.0,
         "length C of the master's cycle, not 0; of a variable one the least length (masterCycle)",

@@ -49,8 +49,11 @@ def shown_state(stage: Stage) -> State:
 
 
 def limit_faults(stage: Stage) -> tuple[Fault, Fault]:
-    """The faults of a slave that exceeds max_speed and max_acceleration in a stage; NONE where they are not checked."""
+    """The faults of a slave that exceeds max_speed and max_acceleration in a stage; NONE where it is at rest, and in an
+    alarm."""
     match stage:
+        case Stage.TO_PARK | Stage.TO_CYCLE:
+            return Fault.SPEED_POSITIONING, Fault.ACCELERATION_POSITIONING
         case Stage.FOLLOWING | Stage.SLOWING | Stage.PAUSING:
             return Fault.SPEED_FOLLOWING, Fault.ACCELERATION_FOLLOWING
         case Stage.SYNCHRONIZED:

@@ -381,6 +381,8 @@ class Manoeuvre:
         direction = direction_in(block.master.path, section)
         if not request.allows(direction) or (self.keeps_trigger and direction != self.master_curve.direction):
             return False
+        if block.master.goes_against(direction, section, 0.0):
+            return False
         base, spacing = self.triggers(block, request, direction)
         return is_trigger_crossed(self.point, block.master, section, base, spacing, direction)
 

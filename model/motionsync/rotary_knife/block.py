@@ -9,7 +9,7 @@ from .. import var
 from ..axis_limits import AxisLimits
 from ..clock import Clock
 from ..computable_range import LARGEST
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import LateMode, PieceKind, Source, StartMode
 from ..cutting.material import Material
@@ -38,7 +38,7 @@ from .velocity import PUNCTUAL, keeps_limits
 from .window import Cut, Window
 
 MOST_PITCHES = 1e4  # that the master may travel in one step
-MOST_EVENTS = 1000000  # in a section of the path; so many never happen
+MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
 
 
@@ -124,12 +124,15 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = MOST_PITCHES * self.predictions.pitch_orders if self.running else 0.0
+        longest = 0.0
+        if self.running or self.operation.is_started_now(self.start, self.auto_start):
+            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         self.read_demand()
         self.local.skip_reason = SkipReason.NONE
+        self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
             self.travel(section)
             if section == 0:
@@ -274,6 +277,13 @@ class RotaryKnife(RotaryKnifeInterface):
         """Whether the knife would have to park for a piece of that pitch, u of the master, and must not."""
         return not self.allow_parking and self.source == Source.LENGTH and pitch > self.predictions.lengths.longest
 
+    def missing_length(self) -> NoLength:
+        """Why no length is known for the piece that starts at the last cut."""
+        reason = self.material.missing_length()
+        pitch = self.material.pitch_of(self.material.expected_length(False))
+        is_too_long = not self.material.piece.is_fixed and pitch < UNLIMITED and self.is_too_long(pitch)
+        return NoLength.TOO_LONG if reason == NoLength.NONE and is_too_long else reason
+
     def take_window(self) -> None:
         """The piece in progress ends with a cut in the window as it is set."""
         var.copy(self.piece_window, self.predictions.window)
@@ -357,6 +367,10 @@ class RotaryKnife(RotaryKnifeInterface):
         )
         self.warning.mark_missing = self.material.is_mark_missing
         self.warning.mark_outside = self.material.is_mark_outside
+        self.warning.mark_refused = self.material.is_mark_refused
+        self.local.mark_refusal = self.material.mark_refusal
+        if self.material.mark_refusal != MarkRefusal.NONE:
+            self.local.refused_mark = wrap(self.material.refused_mark, master.period)
         if self.material.piece.is_fixed and not was_fixed:
             self.take_window()
         if self.material.mark_fault != PieceFault.NONE:
@@ -455,10 +469,17 @@ class RotaryKnife(RotaryKnifeInterface):
         if end < begin:
             return False
         self.move_to(section, begin)
-        if piece.waits_for_line() and not self.try_wait_for_line(section, self.ramp_velocity):
+        if piece.waits_for_line() and not (
+            self.try_wait_for_line(section, self.ramp_velocity)
+            and self.can_ramp_to(max(piece.end, self.place - self.ramp_begin))
+        ):
             return False
         self.begin_ramp()
         return True
+
+    def can_ramp_to(self, cut: float) -> bool:
+        """Whether a ramp up to the window of a cut would have a length from here on, where positions are rounded."""
+        return cut - self.piece_window.before > self.place
 
     def try_requested_cut(self, section: int) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""
@@ -466,11 +487,11 @@ class RotaryKnife(RotaryKnifeInterface):
         limit = self.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
         if not self.try_wait_for_line(section, limit):
             return False
-        self.operation.is_cut_pending = False
         if not is_fixed:
             self.take_window()
-        self.material.fix_short(self.place - self.ramp_begin)
-        self.enter_engaging()
+        cut = self.place - self.ramp_begin
+        if self.operation.try_take_cut(self.material, cut, self.can_ramp_to(cut)):
+            self.enter_engaging()
         return True
 
     def try_wait_for_line(self, section: int, limit: float) -> bool:
@@ -519,20 +540,28 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         velocity = self.master.velocity_at(self.now)
         is_slow = velocity <= self.ramp_velocity * PUNCTUAL
-        if is_slow and self.place <= begin + LATE * travel:
+        is_in_time = self.place <= begin + LATE * travel and self.can_ramp_to(piece.end)
+        if is_slow and is_in_time and piece.leaves_length(piece.end):
             self.enter_engaging()
         elif piece.waits_for_line():
             piece.end = earliest
             self.enter_engaging()
-        elif is_slow and self.settings.late_mode == LateMode.LATE:
+        elif is_slow and self.can_delay_cut(earliest):
             self.delay_cut(earliest)
             self.enter_engaging()
         elif self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
-            self.show_skipped_cut()
+            self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE)
+            if is_slow:
+                self.local.missing_distance = max(self.place - begin, 0.0)
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
+
+    def can_delay_cut(self, earliest: float) -> bool:
+        """Whether a late cut out of rest is made at this position, u, as early as it can be."""
+        is_late_mode = self.settings.late_mode == LateMode.LATE
+        return is_late_mode and self.material.piece.leaves_length(earliest) and self.can_ramp_to(earliest)
 
     def enter_engaging(self) -> None:
         """The ramp up to the next cut begins."""
@@ -636,7 +665,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 self.is_cut_refused = True
         if has_to_rest or not piece.is_fixed:
             self.plan_ramp_down()
-        elif departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
+        elif piece.leaves_length(piece.end) and departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
             self.plan_way()
         else:
             self.act_on_late_cut()
@@ -658,11 +687,13 @@ class RotaryKnife(RotaryKnifeInterface):
         departure = self.departure
         if self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
-        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(knife, self.piece_window, piece.end):
+        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(
+            knife, self.piece_window, max(piece.end, piece.least_end())
+        ):
             self.delay_cut(departure.cut.place)
             self.plan_way()
         else:
-            self.show_skipped_cut()
+            self.show_skipped_cut(SkipReason.LATE)
             if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
                 self.plan_way()
             else:
@@ -675,9 +706,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_piece_late = True
         self.statistics.late = increased(self.statistics.late, 1.0)
 
-    def show_skipped_cut(self) -> None:
-        """Show that the next cut is skipped."""
-        self.local.skip_reason = SkipReason.LATE
+    def show_skipped_cut(self, reason: SkipReason) -> None:
+        """Show that the next cut is skipped, and why."""
+        self.local.skip_reason = reason
+        self.local.missing_distance = 0.0
         self.local.skipped_cut = wrap(self.material.piece.end, self.master.period)
         self.local.line_velocity = self.master.velocity_at(self.now)
 
@@ -693,17 +725,19 @@ class RotaryKnife(RotaryKnifeInterface):
         if not departure.velocity > 0.0:
             return False
         knife = self.knife_data
+        least = max(departure.begin, piece.least_end())
         if piece.is_fixed:
-            if not departure.try_earliest_turning(knife, self.piece_window, departure.begin, piece.end):
+            if not departure.try_earliest_turning(knife, self.piece_window, least, piece.end):
                 return False
             if not departure.cut.place < piece.end:
                 return False
         else:
             window = self.predictions.window
-            if not departure.try_earliest_turning(knife, window, departure.begin, UNLIMITED):
+            if not departure.try_earliest_turning(knife, window, least, UNLIMITED):
                 return False
             self.take_window()
-        self.material.fix_short(departure.cut.place)
+        if not self.material.try_fix_short(departure.cut.place):
+            return False
         self.plan_way()
         return True
 
@@ -843,6 +877,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.is_ramp_too_fast,
             self.is_change_pending or self.is_cut_refused,
         )
+        self.local.no_length = self.missing_length() if self.running else NoLength.NONE
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)
         self.clock = self.block_clock.time
 

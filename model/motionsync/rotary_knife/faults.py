@@ -9,17 +9,21 @@ from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 MASTER = ("master.position", "master.velocity", "master.acceleration")
-SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity", "limits.max_line_velocity")
+SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
+MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
-WAY_BETWEEN_WINDOWS = (
-    "between the windows of two blades there must be a way, with knife.park_angle on it; with sync.mode HORIZONTAL "
-    "sync.before and sync.after must be at most 0.15 of knife.circumference",
+ALLOWED = ("local.allowed_from", "local.allowed_to")
+BEFORE = (
+    "sync.before must be local.allowed_from to local.allowed_to, so that there is a way from the park angle to it",
     "sync.before",
+    "local.allowed_from",
+    "local.allowed_to",
+)
+AFTER = (
+    "sync.after must be local.allowed_from to local.allowed_to, so that there is a way from it to the park angle",
     "sync.after",
-    "sync.overspeed",
-    "knife.park_angle",
-    "knife.circumference",
-    "knife.blades",
+    "local.allowed_from",
+    "local.allowed_to",
 )
 
 
@@ -27,8 +31,32 @@ class SkipReason(Enumeration):
     """Why a cut was skipped"""
 
     NONE = 0, "no cut was skipped"
-    LATE = 1, "cut skipped: the knife cannot be in sync with it within the limits of its axis", *SKIPPED_CUT
+    LATE = (
+        1,
+        "cut skipped: the knife cannot be in sync with it within the limits of its axis",
+        *SKIPPED_CUT,
+        *MOST_VELOCITY,
+    )
     PARKING = 2, "cut skipped: on its way to park the blade passes its place out of sync", "statistics.unsynchronised"
+    RAMP = (
+        3,
+        "cut skipped: the ramp from rest would have had to begin before start, before the end of hold, or before the "
+        "place of the cut was known",
+        *SKIPPED_CUT,
+        "local.missing_distance",
+    )
+
+
+class KnifeLimit(Enumeration):
+    """Which limit of the axis is exceeded, where the knife's axis names another one than `Limit` does"""
+
+    NONE = 0, "none"
+    MAX_DECELERATION = (
+        5,
+        "limit exceeded: the slave's deceleration is beyond its axis's",
+        "local.exceeded_value",
+        "axis.max_acceleration",
+    )
 
 
 class Refusal(Enumeration):
@@ -36,9 +64,22 @@ class Refusal(Enumeration):
 
     NONE = 0, "done"
     MASTER_TURNS = 1, *TOO_MANY_TURNS
-    KNIFE_WINDOW = 2, *WAY_BETWEEN_WINDOWS
+    BLADES = (
+        2,
+        "knife.blades must be local.allowed_from to local.allowed_to, so that there is a way between two windows",
+        "knife.blades",
+        *ALLOWED,
+    )
     MARK_WINDOW = 3, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
     TRAVEL = 4, "the master must not travel more than 1e4 of the shortest piece in one step", *MASTER
+    PARK_ANGLE = (
+        5,
+        "knife.park_angle must be 0, or local.allowed_from to local.allowed_to, which is between two windows",
+        "knife.park_angle",
+        *ALLOWED,
+    )
+    SYNC_BEFORE = 6, *BEFORE
+    SYNC_AFTER = 7, *AFTER
 
 
 class KnifeParameter(Enumeration):
@@ -47,9 +88,8 @@ class KnifeParameter(Enumeration):
     # The other numbers are those of `PieceParameter`.
     NONE = 0, "none"
     MATERIAL_FACTOR = 2, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
-    SYNC_BEFORE = 3, "sync.before must be 0 to 1e12", "sync.before"
-    SYNC_AFTER = 4, "sync.after must be 0 to 1e12", "sync.after"
+    SYNC_BEFORE = 3, *BEFORE
+    SYNC_AFTER = 4, *AFTER
     OVERSPEED = 5, "sync.overspeed must be -0.2 to 0.5", "sync.overspeed"
-    KNIFE_WINDOW = 6, *WAY_BETWEEN_WINDOWS
     MARGIN = 40, "line.margin must be at least 0 and below 1", "line.margin"
     LATE_MODE = 43, "late_mode must be 1, 2 or 3", "late_mode"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..computable_range import LARGEST, SMALLEST_LIMIT
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
     ChangeMode,
@@ -29,7 +29,7 @@ from ..exceeded_limit import Limit
 from ..master import VELOCITY_SOURCES, Master
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
-from .faults import KnifeParameter, SkipReason
+from .faults import KnifeLimit, KnifeParameter, SkipReason
 
 MOST_BLADES = 64
 LEAST_OVERSPEED = -0.2
@@ -90,8 +90,8 @@ class Cylinder:
     )
     blades: int = var.parameter(1, "evenly spaced; one cuts at 0", min=1, max=MOST_BLADES)
     park_angle: float = var.parameter(
-        180.0,
-        "where the blade that has cut last rests, between the windows of two blades",
+        0.0,
+        "where the blade that has cut last rests, between the windows of two blades; 0: half way between them",
         Unit.SLAVE_POSITION,
         min=0.0,
         max=LARGEST,
@@ -187,6 +187,7 @@ class Warnings:
     velocity: bool = var.local(False, "in the window the knife cannot be as fast as the line")
     mark_missing: bool = var.local(False, "a mark did not come; until the next accepted one")
     mark_outside: bool = var.local(False, "an edge was no mark; until the next accepted one")
+    mark_refused: bool = var.local(False, "at a mark no piece could end; until the next accepted one")
     no_length: bool = var.local(False, "no length is given for the next piece, or none that can be cut")
     change_pending: bool = var.local(False, "a new length, or a cut_now, waits until the piece in progress has ended")
 
@@ -205,18 +206,28 @@ class Local:
         0.0, "HORIZONTAL: the knife's travel per rad; else 0", Unit.SLAVE_POSITION, role=Role.EDGE_RADIUS
     )
     marks_waiting: int = var.local(0, "marks in the queue")
+    no_length: int = var.local(0, "why no length is known for the next piece", codes=NoLength)
+    mark_refusal: int = var.local(
+        0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
+    )
+    refused_mark: float = var.snapshot(0.0, "master position of the last refused mark", Unit.POSITION)
     refused_parameter: int = var.local(
         0, "which tunable parameter is out of its range", codes=var.merged(KnifeParameter, PieceParameter)
     )
+    allowed_from: float = var.local(0.0, "the least value that a machine setting may have which is refused")
+    allowed_to: float = var.local(0.0, "the greatest one; 0: none is refused")
     skip_reason: int = var.local(
         0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS
     )
     skipped_cut: float = var.snapshot(0.0, "master position of the last skipped cut", Unit.POSITION)
+    missing_distance: float = var.snapshot(
+        0.0, "by how much the line's travel to it was too short for the ramp from rest", Unit.POSITION
+    )
     line_velocity: float = var.snapshot(0.0, "the line's velocity when it was skipped", Unit.VELOCITY)
     exceeded_limit: int = var.local(
         0,
         "which limit of the axis is exceeded",
-        codes=var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK", "INSTANT_STOP"),
+        codes=var.merged(var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK"), KnifeLimit),
         report=Report.EPISODES,
     )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")

@@ -57,7 +57,10 @@ def skip_to_reached_mark(
 ) -> bool:
     """As `skip_to_reached_cut`, of the marks that wait."""
     for index in range(1, material.marks.waiting):
-        if departure.try_cut(knife, window, material.marks.position(index), True):
+        place = material.marks.position(index)
+        if not material.piece.leaves_length(place):
+            continue
+        if departure.try_cut(knife, window, place, True):
             for _ in range(index):
                 drop_mark(material, statistics)
             material.merge_to_next_mark()

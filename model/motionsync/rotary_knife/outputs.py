@@ -95,6 +95,7 @@ def show_warnings(
         or warning.velocity
         or warning.mark_missing
         or warning.mark_outside
+        or warning.mark_refused
         or warning.no_length
         or warning.change_pending
     )

@@ -6,10 +6,11 @@ from .. import var
 from ..computable_range import LARGEST, is_usable
 from ..cutting.interface import LateMode
 from ..cutting.settings import PieceParameter, PieceSettings, has_narrow_window
+from ..grid import floor
 from .faults import KnifeParameter, Refusal
 from .interface import GREATEST_OVERSPEED, LEAST_OVERSPEED, RotaryKnifeInterface, SyncMode
 from .knife import Knife
-from .window import Window, is_narrow, leaves_way
+from .window import PARK_MARGIN, Window, is_narrow, leaves_way, widest_half
 
 
 @dataclass(slots=True)
@@ -88,23 +89,54 @@ class KnifeSettings:
         """Find the first parameter of the window that is out of its range. NaN is out of every range."""
         sync = block.sync
         is_overspeed = LEAST_OVERSPEED <= sync.overspeed <= GREATEST_OVERSPEED
-        invalid = checked(KnifeParameter.NONE, 0.0 <= sync.before <= LARGEST, KnifeParameter.SYNC_BEFORE)
-        invalid = checked(invalid, 0.0 <= sync.after <= LARGEST, KnifeParameter.SYNC_AFTER)
+        is_before = 0.0 <= sync.before <= LARGEST and is_narrow(knife, sync.before)
+        is_after = 0.0 <= sync.after <= LARGEST and is_narrow(knife, sync.after)
+        invalid = checked(KnifeParameter.NONE, is_before, KnifeParameter.SYNC_BEFORE)
+        invalid = checked(invalid, is_after, KnifeParameter.SYNC_AFTER)
         invalid = checked(invalid, is_overspeed, KnifeParameter.OVERSPEED)
+        margin = PARK_MARGIN * knife.turn
         if invalid == KnifeParameter.NONE:
-            is_way = is_narrow(knife, sync.before, sync.after)
-            if is_way:
-                self.window.set(knife, 1.0, sync.before, sync.after, sync.overspeed)
-                is_way = leaves_way(knife, self.window)
-            invalid = checked(invalid, is_way, KnifeParameter.KNIFE_WINDOW)
+            self.window.set(knife, 1.0, sync.before, sync.after, sync.overspeed)
+            is_after = self.window.end.position + margin <= knife.park_angle
+            invalid = checked(invalid, is_after, KnifeParameter.SYNC_AFTER)
+            invalid = checked(invalid, leaves_way(knife, self.window), KnifeParameter.SYNC_BEFORE)
         self.invalid_window = invalid
+        overspeed = sync.overspeed if is_overspeed else self.overspeed
+        block.local.allowed_from = 0.0
+        block.local.allowed_to = 0.0
+        if invalid == KnifeParameter.SYNC_BEFORE:
+            block.local.allowed_to = widest_half(knife, overspeed, knife.spacing - knife.park_angle - margin)
+        elif invalid == KnifeParameter.SYNC_AFTER:
+            block.local.allowed_to = widest_half(knife, overspeed, knife.park_angle - margin)
 
     def start_refusal(self, block: RotaryKnifeInterface, knife: Knife) -> Refusal:
         """Why the start values contradict one another; NONE: they do not."""
         self.validate_window(block, knife)
         if self.invalid_window != KnifeParameter.NONE:
-            return Refusal.KNIFE_WINDOW
+            return self.window_refusal(block, knife)
         return Refusal.NONE if has_narrow_window(block.mark) else Refusal.MARK_WINDOW
+
+    def window_refusal(self, block: RotaryKnifeInterface, knife: Knife) -> Refusal:
+        """Which of the start values leaves no way between two windows: the one that alone can be changed to leave one;
+        the blades or the park angle, if the windows do not forbid it."""
+        sync = block.sync
+        is_before = self.invalid_window == KnifeParameter.SYNC_BEFORE
+        refusal = Refusal.SYNC_BEFORE if is_before else Refusal.SYNC_AFTER
+        if not (is_narrow(knife, sync.before) and is_narrow(knife, sync.after)):
+            return refusal
+        margin = PARK_MARGIN * knife.turn
+        begin = self.window.begin.position - margin
+        end = self.window.end.position + margin
+        needed = 2.0 * max(end, -begin) if block.knife.park_angle == 0.0 else end - begin
+        if knife.spacing < needed <= knife.turn:
+            block.local.allowed_from = 1.0
+            block.local.allowed_to = floor(knife.turn / needed)
+            return Refusal.BLADES
+        if block.knife.park_angle > 0.0 and needed <= knife.spacing:
+            block.local.allowed_from = end
+            block.local.allowed_to = knife.spacing + begin
+            return Refusal.PARK_ANGLE
+        return refusal
 
     def first_invalid(self) -> KnifeParameter:
         """The first parameter of the machine that is out of its range."""
@@ -139,7 +171,7 @@ def describe_knife(knife: Knife, block: RotaryKnifeInterface) -> None:
     knife.turn = block.knife.turn
     knife.circumference = block.knife.circumference
     knife.spacing = block.knife.turn / float(block.knife.blades)
-    knife.park_angle = block.knife.park_angle
+    knife.park_angle = block.knife.park_angle if block.knife.park_angle > 0.0 else 0.5 * knife.spacing
     knife.is_horizontal = block.sync.mode == SyncMode.HORIZONTAL
     knife.may_park = block.allow_parking
     knife.max_velocity = block.axis.max_velocity

@@ -9,6 +9,8 @@ from math import sqrt
 
 from .. import var
 from ..arcsine import arcsine
+from ..computable_range import clamp
+from ..cosine import cosine
 from .knife import Knife
 
 WIDEST_HALF = 0.15  # of the circumference, for either half of a HORIZONTAL window; at 1 / (2 pi) the edge moves upright
@@ -116,6 +118,14 @@ class Cut:
         return self.position + position, d1, d2, d3
 
 
+def widest_half(knife: Knife, overspeed: float, travel: float) -> float:
+    """How much material, u, either half of a window may have, where the slave may travel so far in it."""
+    if not knife.is_horizontal:
+        return max(travel, 0.0) / (knife.turn / knife.circumference * (1.0 + overspeed))
+    degrees = clamp(360.0 / knife.turn * travel, 0.0, 90.0)
+    return min(WIDEST_HALF, cosine(90.0 - degrees) / TWO_PI) * knife.circumference
+
+
 def leaves_way(knife: Knife, window: Window) -> bool:
     """Whether the knife has a way from one such window to the next, and the park angle is on it."""
     leaves = window.end.position
@@ -124,6 +134,6 @@ def leaves_way(knife: Knife, window: Window) -> bool:
     return leaves + margin <= knife.park_angle <= arrives - margin
 
 
-def is_narrow(knife: Knife, before: float, after: float) -> bool:
-    """Whether a window of so much material, u, can be had; a TANGENTIAL one always."""
-    return not knife.is_horizontal or max(before, after) <= WIDEST_HALF * knife.circumference
+def is_narrow(knife: Knife, half: float) -> bool:
+    """Whether half a window of so much material, u, can be had; a TANGENTIAL one always."""
+    return not knife.is_horizontal or half <= WIDEST_HALF * knife.circumference

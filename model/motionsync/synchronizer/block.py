@@ -152,35 +152,37 @@ class Synchronizer(SynchronizerInterface):
         """Follow a section of the master's path; where a command ends, the stacked one starts."""
         self.reached_position = self.master.path.positions[section]
         end = self.master.path.positions[section + 1]
-        while self.try_event(end):
+        while self.try_event(section, end):
             pass
 
-    def try_event(self, end: float) -> bool:
+    def try_event(self, section: int, end: float) -> bool:
         """Carry out the next event up to the end of the section; False if there is none."""
         match self.stage:
             case Stage.WAITING:
-                return self.try_event_waiting(end)
+                return self.try_event_waiting(section, end)
             case Stage.RAMPING:
                 return self.try_event_ramping(end)
             case _:
                 return False
 
-    def try_event_waiting(self, end: float) -> bool:
-        """A waiting command aims anew from where the master is. From there on the ramp may start, and even end."""
-        self.transition.aim(self.reached_position, self.master.period)
-        return self.try_event_ramping(end)
+    def try_event_waiting(self, section: int, end: float) -> bool:
+        """The master comes onto the ramp. A waiting command aims anew wherever the master goes; while it goes against
+        the sign of the phasing, it passes the ramp's beginning and nothing starts."""
+        travel = end - self.reached_position
+        is_against = self.master.goes_against(self.transition.direction, section, travel)
+        self.transition.aim(end if is_against else self.reached_position, self.master.period)
+        if is_against or not self.transition.is_on_ramp_at(end, 0.0):
+            return False
+        self.enter_ramping()
+        return True
 
     def try_event_ramping(self, end: float) -> bool:
-        """The end of the ramp. If it is farther on, the end of the section shows whether the slave is on the ramp."""
+        """The end of the ramp; or the master is back before its beginning at the end of the section."""
         if self.transition.is_complete_at(end):
             self.complete()
             return True
-        uncertain = self.master.uncertain_travel() if self.stage == Stage.RAMPING else 0.0
-        if not self.transition.is_on_ramp_at(end, uncertain):
+        if not self.transition.is_on_ramp_at(end, self.master.uncertain_travel()):
             self.transition.aim(end, self.master.period)
-        if self.transition.is_on_ramp_at(end, uncertain):
-            self.enter_ramping()
-        else:
             self.enter_waiting()
         return False
 

@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.faults import Fault
+from motionsync.cut_to_length.faults import Fault, SkipReason
 from motionsync.cut_to_length.interface import State, ToolMode, Warnings
 from tests.support import cutting_runs
 from tests.support.cutting_runs import COMMANDS, CuttingMachine
@@ -90,6 +90,7 @@ STRATEGY = Strategy(
         {
             *cutting_runs.required_features(State, Warnings),
             *(("fault", fault) for fault in Fault),
+            *(("skipped", reason) for reason in SkipReason),
             *(("in sync", state) for state in (State.SYNCHRONOUS, State.CUTTING, State.CLEARING)),
             *(("cut", mode) for mode in ToolMode),
             ("eased", True),

@@ -208,11 +208,12 @@ def test_a_late_mark_may_be_cut_late() -> None:
     assert (saw["statistics.late"], saw["statistics.skipped"]) == (1, 0)
 
 
-@pytest.mark.parametrize(("position", "skipped"), [(-2500.0, 1), (-3000.0, 1)])
-def test_a_mark_behind_the_saw_is_late(position: float, skipped: int) -> None:
-    """Its cut would be at -475, before B, or -975: taken literally."""
+@pytest.mark.parametrize(("position", "is_refused"), [(-3000.0, True), (-2025.0, True), (-2024.99, False)])
+def test_a_mark_whose_cut_is_not_beyond_the_front_end_is_refused(position: float, is_refused: bool) -> None:
+    """The front end is at 0: of the last one the cut is at 0.01, which is late."""
     saw = detect_mark(started_with_marks(), 0.1, position).now()
-    assert saw["statistics.skipped"] == skipped
+    assert saw.statistics("marks", "marks_refused", "skipped") == ((0, 1, 0) if is_refused else (1, 0, 1))
+    assert saw["warning.mark_refused"] == is_refused
     assert (saw.state, saw["local.marks_waiting"]) == (State.WAITING, 0)
 
 

@@ -12,6 +12,9 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
+from motionsync.flying_saw.saw_master import coupling_acceleration
+from motionsync.flying_saw.stage import Stage
+from motionsync.flying_saw.sync_mode import SyncMode
 from motionsync.master import MasterInput
 from tests.support.masters import INPUT_MODES, WanderingMaster
 from tests.support.runs import EXTREMES, BlockRun, Strategy
@@ -41,9 +44,12 @@ DYNAMICS = {"velocity": 3.0, "acceleration": 20.0, "deceleration": 30.0, "jerk":
 @st.composite
 def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
-    periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
+    shortest = max(1e-9, 1e-14 * length)  # a shorter one has too many turns up to the first position
+    periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(shortest, 1e4))
+    scalings = st.one_of(st.sampled_from((0.0, 0.0, 1e12)), st.floats(0.0, 0.1).map(lambda x: x * length))
     start = {
         **draw(INPUT_MODES),
+        "master.encoder_scaling": draw(scalings),
         "master.period": draw(periods),
         "master.position": length * draw(st.floats(-3.0, 3.0)),
         "master.velocity": length * draw(st.sampled_from((0.0, 1.0, -1.0, 2.0))),
@@ -83,6 +89,9 @@ def _steps(
             values |= {f"{group}.{name}": value for name, value in order.items()}
             values[f"{group}.execute"] = True
             values |= {f"sync_mode.{name}": r.random() < 0.15 for name in MODES}
+            if group == "gear_in_velo" and r.random() < 0.5:
+                bits = ("time_based", "rollback_lock", "instant_stop_on_rollback")
+                values |= {f"sync_mode.{name}": name == "time_based" or r.random() < 0.5 for name in bits}
         if r.random() < extreme:  # the command's values last; the master is set anew in every step
             name = r.choice(
                 ("master.position", "master.velocity", "master.acceleration", "gear_in_velo.ratio_numerator")
@@ -121,6 +130,8 @@ def _order(r: Random, group: str, length: float, position: float, velocity: floa
 
 def watch(block: FlyingSaw) -> set[Any]:
     """What is worth meeting of the block's present state."""
+    acceleration = block.master.begin_acceleration
+    counts = coupling_acceleration(block.master, acceleration) == acceleration
     return {
         ("state", block.state),
         ("PLCopen", block.plcopen_state),
@@ -128,7 +139,14 @@ def watch(block: FlyingSaw) -> set[Any]:
         ("fault", block.error_id),
         ("profile", block.characteristics.profile),
         ("limit", block.local.exceeded_limit),
+        *([("master's acceleration counts", counts)] if block.stage == Stage.PROFILE else []),
+        *([("parked", _time_based_before_sync(block.active_request.mode))] if block.stage == Stage.PARKED else []),
     }
+
+
+def _time_based_before_sync(mode: SyncMode) -> bool:
+    """Whether a saw that is parked was surely on a time-based way into sync: in sync the lock alone would park it."""
+    return mode.time_based and not mode.rollback_lock
 
 
 # The faults that are not rare: the shapes that break the other checks have tests of their own.
@@ -153,6 +171,8 @@ STRATEGY = Strategy(
             *(("mode", mode) for mode in MasterInput),
             *(("fault", fault) for fault in OFTEN),
             *(("limit", limit) for limit in Limit if limit != Limit.INSTANT_STOP),
+            *(("master's acceleration counts", counts) for counts in (False, True)),
+            *(("parked", time_based_before_sync) for time_based_before_sync in (False, True)),
             *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
         }
     ),

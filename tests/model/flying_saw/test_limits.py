@@ -15,6 +15,7 @@ from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
+from tests.model.flying_saw.scripted import along
 from tests.model.flying_saw.strategies import STRATEGY
 from tests.oracle.flying_saw import reference
 from tests.support.runs import BlockRun
@@ -350,45 +351,8 @@ def test_in_random_runs_the_same_is_reported_as_by_the_oracle() -> None:
         for row in reference(script, times):
             reported_by_oracle.setdefault(row["time"], set()).add(int(row["local.exceeded_limit"]))
         for step in (1, 25):
-            for time, limit in reported_along(script, times[step - 1 :: step]).items():
+            for time, row in along(script, times[step - 1 :: step], ("local.exceeded_limit",)).items():
+                limit = int(row["local.exceeded_limit"])
                 assert limit in reported_by_oracle[time], (seed, step, time)
                 met.add(limit)
     assert met >= set(Limit) - {Limit.INSTANT_STOP}
-
-
-def reported_along(script: dict[str, Any], times: list[float]) -> dict[float, int]:
-    """The block's `exceeded_limit` at these times; steps end there, at what is set, and at the master's segments."""
-    stepper = Stepper(FlyingSaw())
-    master_position, speed, begin, segments = 0.0, script["master"]["velocity"], 0.0, []
-    for segment in script["master"]["segments"]:
-        segments.append((begin, master_position, speed, segment["acceleration"]))
-        t, begin = segment["duration"], begin + segment["duration"]
-        master_position, speed = (
-            master_position + (speed + 0.5 * segment["acceleration"] * t) * t,
-            speed + segment["acceleration"] * t,
-        )
-    segments.append((begin, master_position, speed, 0.0))
-
-    def master(time: float) -> dict[str, float]:
-        first, p, v, a = [s for s in segments if s[0] <= time + 1e-12][-1]
-        t = time - first
-        return dict(
-            zip(
-                ("master.position", "master.velocity", "master.acceleration"),
-                (p + (v + 0.5 * a * t) * t, v + a * t, a),
-                strict=True,
-            )
-        )
-
-    sets = {table["at"]: {n: x for n, x in table.items() if n != "at"} for table in script["set"]}
-    stepper.initialize({**script["start"], **master(0.0)})
-    ends = sorted({*times, *sets, *(s[0] for s in segments if 0.0 < s[0] < times[-1])})
-    result, now = {}, 0.0
-    for end in ends:
-        if end > times[-1]:
-            break
-        stepper.step(end - now, {**master(now), **sets.get(now, {})})
-        now = end
-        if end in times:
-            result[end] = int(stepper["local.exceeded_limit"])
-    return result

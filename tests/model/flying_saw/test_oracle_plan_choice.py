@@ -68,6 +68,8 @@ LESS = {"limits": (505, 2500, 2500, 5000)}
         (0x4385, "check_overshoot_velocity_zero", mirrored(backwards(EXAMPLE_4_1))),
         (0x4386, "check_undershoot_velocity_zero", LATE),
         (0x4387, "check_undershoot_velocity_zero", backwards(LATE)),
+        (0x4386, "check_undershoot_velocity_zero", EXAMPLE_4_2),  # starts against the synchronous velocity
+        (0x4386, "check_undershoot_velocity_zero", mirrored(EXAMPLE_4_2)),
         (0x4388, "check_max_acceleration", EXAMPLE_4_1 | {"limits": (2000, 175, 2500, 5000)}),
         (0x4389, "check_max_deceleration", EXAMPLE_4_1 | {"limits": (2000, 2500, 15, 5000)}),
         (0x438A, "check_max_jerk", EXAMPLE_4_1 | {"limits": (2000, 2500, 2500, 444)}),
@@ -94,7 +96,7 @@ def test_each_check_has_its_code(code: int, check: str, given: dict[str, Any]) -
         ("check_max_jerk", EXAMPLE_4_1 | {"limits": (2000, 2500, 2500, 444.45)}),
         ("check_undershoot_position", EXAMPLE_4_1),
         ("check_overshoot_position", EXAMPLE_4_1),
-        ("check_undershoot_velocity_zero", EXAMPLE_4_2),  # starts below zero
+        ("check_undershoot_velocity_zero", EXAMPLE_4_1),
         ("check_overshoot_velocity_zero", mirrored(EXAMPLE_4_1)),
     ],
 )

@@ -3,6 +3,8 @@
 import math
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
@@ -146,6 +148,57 @@ def test_an_accelerated_master_leaves_only_the_quintic(acceleration: float) -> N
         assert (saw["gear_in_pos.error_id"], saw["characteristics.profile"]) == (code, kind)
         if kind == ProfileKind.P5:
             assert saw["characteristics.slave_acceleration_start"] == near(-250.0 * acceleration / 500.0)
+
+
+@given(st.floats(1e-4, 10.0), st.floats(1e-3, 0.1), st.booleans(), st.floats(-2.0, 2.0), st.integers(0, 2))
+def test_an_acceleration_within_the_resolution_of_an_encoder_does_not_count(
+    counts: float, cycle: float, sampled: bool, share: float, planned: int
+) -> None:
+    """Up to below 2 q / c^2 in whatever makes a plan: an edge, the start distance, the master that comes forwards anew.
+    c is master.sample_time, whatever the step, or else the step. What counts makes a profile start with
+    -v0 a_m / v_m; the slave follows the true master, and a plan in time takes its true acceleration."""
+    assume(abs(abs(share) - 1.0) > 1e-6)
+    acceleration = share * 2.0 * counts / cycle**2
+    assume(abs(acceleration) < 1e5)
+    step = cycle if not sampled else 0.37 * cycle
+    short = min(step, 1e-3 / (1.0 + abs(acceleration)))  # hardly anything changes up to where it is planned
+    assume(sampled or planned == 0)
+    values = {"master.encoder_scaling": counts, "master.sample_time": cycle if sampled else 0.0}
+    saw = FlyingSawHarness({**values, "axis.initial_velocity": 250.0}, master_position=-500.0, speed=500.0)
+    saw.modes("ignore_slave_acceleration")  # the halt that planning anew ends has one
+    if planned == 0:
+        saw.give("gear_in_velo", ratio_numerator=2.0).run(step, acceleration=acceleration)
+    elif planned == 1:
+        aims = {"master_sync_position": 1000.0, "slave_sync_position": 900.0}
+        saw.give("gear_in_pos", **aims, master_start_distance=1500.0 - 1e-6).run(short, acceleration=acceleration)
+    else:
+        saw.give("gear_in_pos", master_sync_position=1000.0, slave_sync_position=900.0).run(INSTANT)
+        saw.master_position = -501.0
+        assert saw.run(INSTANT).state == State.PREPHASE
+        saw.master_position, saw.speed = -500.0 - 1e-6, 500.0
+        saw.run(short, acceleration=acceleration)
+    assert saw.state in (State.SYNCHRONIZING, State.SYNCHRON)
+    result = saw.block.characteristics
+    expected = -result.slave_velocity_start * acceleration / result.master_velocity_nominal
+    assert result.slave_acceleration_start == near(0.0 if abs(share) < 1.0 else expected)
+
+
+def test_a_ramp_in_time_takes_the_true_acceleration_of_an_encoder() -> None:
+    """From 0 to 100 with a_m = 100, as without an encoder (test_time_based.py): in sync after 0.211667 s."""
+    duration = 0.1 + 19.5 / 900.0 + 0.09
+    saw = FlyingSawHarness({"master.encoder_scaling": 1e3}, speed=100.0).modes("time_based")
+    saw.give("gear_in_velo", acceleration=1000.0, jerk=10000.0).run(duration - 1e-6, acceleration=100.0)
+    assert saw.state == State.SYNCHRONIZING
+    assert saw.run(2e-6, acceleration=100.0).state == State.SYNCHRON
+
+
+def test_the_slave_follows_the_true_acceleration_of_an_encoder() -> None:
+    """Example 1 at the edge: a = 250 / 500 * 30, although 30 does not count up to 2 * 0.0016 / 0.01^2 = 32."""
+    for counts, kind, acceleration in [(0.0016, ProfileKind.P5_P1, 15.0), (0.0014, ProfileKind.NONE, 0.0)]:
+        saw = first_example(**{"master.encoder_scaling": counts, "master.sample_time": 0.01}).modes(*VELOCITY_CHECKS)
+        saw.give("gear_in_pos", **FIRST).run(INSTANT, acceleration=30.0)
+        assert (saw["characteristics.profile"], saw["gear_in_pos.error_id"]) == (kind, 0 if kind else 0x42DF)
+        assert saw.slave[2] == near(acceleration, tolerance=1e-3)
 
 
 def test_an_accelerated_slave_leaves_only_the_quintic_unless_ignored() -> None:

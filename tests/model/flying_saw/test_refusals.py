@@ -4,6 +4,8 @@ import math
 from typing import Any
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from motionsync.flying_saw.faults import Refusal
 from motionsync.flying_saw.interface import State
@@ -258,6 +260,16 @@ ROWS = [
     (0x4386, 0.0, 500.0, 100.0, 100.0, "check_undershoot_velocity_zero", {}),
     (0x4387, 0.0, 500.0, 100.0, -100.0, "check_undershoot_velocity_zero", {}),
     (0x4386, 0.0, -500.0, -100.0, 100.0, "check_undershoot_velocity_zero", {}),
+    (
+        0x4386,
+        -250.0,
+        750.0,
+        300.0,
+        100.0,
+        "check_undershoot_velocity_zero",
+        {},
+    ),  # it starts against the synchronous one
+    (0x4387, 100.0, -500.0, -200.0, -100.0, "check_undershoot_velocity_zero", {}),
     # P5 from 100 to 200 with distance 150: a = 600 u (1 - u), 150 at most; j = 600 (1 - 2 u)
     (0x4388, 100.0, 200.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 149.9}),
     (0x4388, -100.0, -200.0, -150.0, 100.0, "check_max_acceleration", {"max_acceleration": 149.9}),
@@ -288,7 +300,9 @@ def test_broken_checks_and_their_codes(
         (100.0, -100.0, -20.0, -100.0, "check_undershoot_position", {}),
         (0.0, -500.0, -250.0, 100.0, "check_overshoot_velocity_zero", {}),
         (0.0, -500.0, -250.0, -100.0, "check_overshoot_velocity_zero", {}),
-        (-250.0, 750.0, 300.0, 100.0, "check_undershoot_velocity_zero", {}),  # starts below zero
+        (250.0, 750.0, 500.0, 100.0, "check_undershoot_velocity_zero", {}),
+        (-250.0, -750.0, -500.0, 100.0, "check_undershoot_velocity_zero", {}),
+        (0.0, -500.0, -250.0, 100.0, "check_undershoot_velocity_zero", {}),
         (100.0, 200.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 150.0}),
         (200.0, 100.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 1.0}),
         (200.0, 100.0, 150.0, 100.0, "check_max_deceleration", {"max_deceleration": 150.0}),
@@ -303,6 +317,31 @@ def test_checks_that_are_kept(
     v0: float, vs: float, distance: float, vm: float, check: str, machine: dict[str, float]
 ) -> None:
     assert meeting(v0, vs, distance, check, vm=vm, **machine).state == State.SYNCHRONIZING
+
+
+@given(
+    st.floats(-500.0, 500.0),
+    st.floats(10.0, 500.0),
+    st.sampled_from([1.0, -1.0]),
+    st.sampled_from([100.0, -70.0]),
+    st.sampled_from([("gear_in_velo",), ("gear_in_velo", "time_based"), ("gear_in_pos",)]),
+)
+def test_a_velocity_against_the_synchronous_one_is_refused_wherever_it_is(
+    v0: float, speed: float, side: float, vm: float, command: tuple[str, ...]
+) -> None:
+    """A slave that is free of acceleration goes from v0 to vs without leaving what is between them: by gear_in_velo of
+    both kinds, and by gear_in_pos if it asks for the mean of both (P5 is 3 u^2 - 2 u^3 then). So its velocity is
+    against vs if v0 is. The mean has to lead forwards: gear_in_pos is left out where it does not."""
+    vs = side * speed
+    group, *modes = command
+    saw = FlyingSawHarness({"axis.initial_velocity": v0}, speed=vm)
+    saw.modes(*modes, "check_undershoot_velocity_zero", "detailed_error_codes")
+    aims = {"master_sync_position": vm, "slave_sync_position": 0.5 * (v0 + vs)} if group == "gear_in_pos" else {}
+    assume(group == "gear_in_velo" or (v0 + vs) * side > 1e-3)
+    assume(v0 == 0.0 or abs(v0) > 1e-3)
+    saw.give(group, ratio_numerator=vs / vm, **aims).run(INSTANT)
+    code = 0x4386 if vm > 0.0 else 0x4387
+    assert saw[f"{group}.error_id"] == (code if v0 * vs < 0.0 else 0)
 
 
 def test_of_several_broken_checks_the_lowest_code_is_shown() -> None:

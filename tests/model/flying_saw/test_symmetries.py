@@ -73,7 +73,7 @@ def dyadic(rng: Random, low: float, high: float) -> float:
 
 
 BOTH_WAYS = ("check_max_velocity", *PEAKS, *VELOCITY_CHECKS, "prefer_constant_velocity", "ignore_master_acceleration")
-KINDS = ("position", "velocity", "time", "own", "reversal", "distance")
+KINDS = ("position", "velocity", "time", "own", "reversal", "time reversal", "distance", "encoder")
 
 
 def scripted(rng: Random, kind: str) -> Script:
@@ -85,7 +85,7 @@ def scripted(rng: Random, kind: str) -> Script:
     start["axis.initial_position"] = length * rng.uniform(-1.0, 1.0)
     start["axis.initial_velocity"] = length * rng.choice([0.0, rng.uniform(-0.5, 0.5)])
     start |= {f"sync_mode.{name}": rng.random() < 0.15 for name in BOTH_WAYS}
-    start["sync_mode.time_based"] = kind == "time"
+    start["sync_mode.time_based"] = kind in ("time", "time reversal")
     legs = [Leg(0.25)]
     if kind == "own":
         return Script(start, master_position, speed, (*legs, *own_motions(rng, length), Leg(1.5)), length)
@@ -95,12 +95,21 @@ def scripted(rng: Random, kind: str) -> Script:
         legs.append(Leg(dyadic(rng, 0.02, 0.2), 0.0, values, ("move_velocity",)))
     first = master_position + speed * sum(leg.duration for leg in legs)
     second = start["axis.initial_position"] + 0.25 * start["axis.initial_velocity"]
-    if kind in ("velocity", "time"):
+    if kind in ("velocity", "time", "time reversal"):
         command = to_velocity(rng, length, speed)
     else:
         command = to_position(rng, first, second, speed, kind == "distance")
-    legs.append(Leg(dyadic(rng, 0.05, 0.5), 0.0, *command))
-    if kind == "reversal":
+    gain = 0.0
+    if kind == "encoder":
+        gain = speed * rng.uniform(-0.5, 0.5)
+        cycle = rng.choice([0.001, 0.01])
+        counts = 0.5 * abs(gain) * cycle**2 * rng.choice([0.5, 2.0])
+        start |= {"master.sample_time": cycle, "master.encoder_scaling": counts}
+    if kind == "time reversal":  # slow enough that the master turns before sync
+        slow = {name: length * rng.uniform(0.3, 1.0) for name in ("acceleration", "deceleration")}
+        command[0].update({f"gear_in_velo.{name}": limit for name, limit in slow.items()})
+    legs.append(Leg(dyadic(rng, 0.05, 0.5), gain, *command))
+    if kind in ("reversal", "time reversal"):
         start |= {f"sync_mode.{name}": rng.random() < 0.5 for name in ("rollback_lock", "instant_stop_on_rollback")}
         legs += reversal(rng, length, speed, legs[-1].duration)
     else:
@@ -146,7 +155,7 @@ def reversal(rng: Random, length: float, speed: float, gone: float) -> list[Leg]
     return [*legs, Leg(2.0 * turning, -gain * rng.uniform(0.5, 1.0)), Leg(4.0)]
 
 
-POWERS = {"position": 0, "distance": 0, "velocity": 1, "acceleration": 2, "deceleration": 2, "jerk": 3}
+POWERS = {"position": 0, "distance": 0, "scaling": 0, "velocity": 1, "acceleration": 2, "deceleration": 2, "jerk": 3}
 
 
 def converted(script: Script, lengths: float, times: float) -> Script:
@@ -154,6 +163,8 @@ def converted(script: Script, lengths: float, times: float) -> Script:
 
     def scaled(name: str, value: Any) -> Any:
         kind = name.replace(".", "_").rsplit("_", 1)[-1]
+        if name == "master.sample_time":
+            return value * times
         if isinstance(value, bool) or kind not in POWERS:
             return value
         signed = kind == "position" or name in ("axis.initial_velocity", "move_velocity.velocity")

@@ -160,6 +160,7 @@ OFTEN = (
     Fault.CYCLE_TOO_SHORT,
     Fault.SPEED_FOLLOWING,
     Fault.MASTER_BACKWARDS,
+    Fault.ACCELERATION_POSITIONING,
 )
 STRATEGY = Strategy(
     runs,

@@ -234,3 +234,18 @@ def test_the_value_of_an_interrupted_cycle_still_counts() -> None:
     follower.speed = 100.0
     assert follower.set({"sync_master": 2300.0}).to(1750.0).position == near(200.0)
     assert follower.to(2200.0).position == near(18.75)
+
+
+@pytest.mark.parametrize(
+    ("place", "fault"),
+    [
+        (900.0, Fault.SPEED_FOLLOWING),
+        (1100.0, Fault.SPEED_SYNCHRONIZED),
+        (1300.0, Fault.SPEED_DECEL),
+        (1500.0, Fault.SPEED_HOMING),
+    ],
+)
+def test_a_step_that_exceeds_both_limits_has_the_fault_of_the_speed(place: float, fault: Fault) -> None:
+    follower = stopping(place, max_speed=1.0, max_acceleration=1.0)
+    follower.set({"check_speed": True, "check_acceleration": True}).run(0.01, acceleration=2.0)
+    assert follower.fault == fault

@@ -3,7 +3,10 @@
 from typing import Any
 
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
+from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from tests.model.follower.harness import CYCLIC, END, ONLY, PASSING, START, near, parked
@@ -37,3 +40,33 @@ def test_the_input_correction_may_hold_a_start() -> None:
     follower.master_position = 900.0
     follower.run(2.0**-30)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75, tolerance=1e-6))
+
+
+@settings(deadline=None, derandomize=True, max_examples=100)
+@given(
+    st.sampled_from([{}, CYCLIC, {**PASSING, "master_cycle": 512.0}]),
+    st.sampled_from([START, END, ONLY]),
+    st.integers(1, 64),
+    st.sampled_from([1.0, 0.25, 2.0**-7]),
+    st.integers(1, 20),
+)
+def test_a_master_that_comes_back_to_a_start_exactly_at_a_communication_point_starts_nothing(
+    values: dict[str, Any], mode: MasterInput, size: int, h: float, steps: int
+) -> None:
+    """The way to the meeting starts 200 before it: there the master is after `steps` steps back, not at first."""
+    assume(size * steps % values.get("master_cycle", 1000.0) != 0)
+    follower = parked(0.0, 0.0, mode, **values, sync_master=200.0 - size * steps)
+    follower.speed = -size / h
+    for _ in range(steps + 3):
+        assert follower.run(h).state in (State.M_WAITING, State.M_WAITING_NEXT_CYCLE)
+        assert (follower.fault, follower.slave) == (Fault.NONE, (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("beyond", [0.5, 8.0])
+def test_a_correction_of_a_master_that_comes_back_starts_nothing(beyond: float) -> None:
+    """The prediction ends before the start at 800; the master is behind it and still falls."""
+    follower = parked(900.0, -100.0).to(800.0 - beyond)
+    follower.master_position = 800.0 + beyond
+    follower.speed = -1.0
+    assert (follower.run(0.25).state, follower.fault) == (State.M_WAITING_NEXT_CYCLE, Fault.NONE)
+    assert follower.missing[0] == near(1000.0 - beyond + 0.25)

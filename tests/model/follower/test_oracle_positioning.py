@@ -11,6 +11,7 @@ from tests.model.follower.oracle_cases import (
     HOMING,
     IDLE,
     IN_ALARM,
+    NEXT_CYCLE,
     PARK,
     POSITIONING,
     SYNCHRONIZED,
@@ -67,7 +68,7 @@ def test_positioning_needs_a_standstill() -> None:
     segments = [{"duration": 4.0, "velocity": 100.0}, {"duration": 5.0, "velocity": 0.0}]
     stopped = scenario(segments, PARK, {"at": 4.2, "position_to_park": False}, {"at": 4.5, "position_to_park": True})
     assert at(stopped, 4.51)["state"] == POSITIONING
-    assert shown(stopped, 6.0) == (WAITING, 0.0)
+    assert shown(stopped, 6.0) == (NEXT_CYCLE, 0.0)
 
 
 @pytest.mark.parametrize(

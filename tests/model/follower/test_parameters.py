@@ -53,7 +53,7 @@ def test_at_the_park_the_meeting_is_chosen_anew() -> None:
 
 def test_a_start_that_a_change_moves_behind_the_master_is_left_for_the_next_one() -> None:
     follower = parked(space_wait_in_park=100.0).to(700.0).set({"sync_master": -150.0}).run(0.01)
-    assert (follower.state, follower["master_to_sync"]) == (State.M_WAITING, near(1149.0))
+    assert (follower.state, follower["master_to_sync"]) == (State.M_WAITING_NEXT_CYCLE, near(1149.0))
     assert follower.to(1750.0).position == near(18.75)
 
 

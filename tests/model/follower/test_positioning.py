@@ -4,6 +4,8 @@ import math
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
@@ -141,3 +143,44 @@ def test_the_master_may_move_a_little() -> None:
         .run(3.0)
     )
     assert (follower.state, follower.position) == (State.M_HOMING, near(200.0, tolerance=1e-6))
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(
+    st.booleans(),
+    st.sampled_from(["speed", "acceleration"]),
+    st.booleans(),
+    st.floats(0.3, 0.95) | st.floats(1.05, 3.0),
+    st.floats(-500.0, -10.0),
+    st.sampled_from([0.003, 0.02]),
+)
+def test_limits_are_checked_in_a_positioning(
+    to_cycle: bool, kind: str, is_checked: bool, share: float, begin: float, h: float
+) -> None:
+    """The move has full velocity (100) and acceleration (1000) on its way, for 10 and more; the limit is this share of
+    them. What exceeds it is put out in M_IN_ALARM; what does not leads to the target."""
+    limit = share * {"speed": 100.0, "acceleration": 1000.0}[kind]
+    follower = FollowerHarness(
+        {
+            "slave.initial_position": begin - 15.0,
+            "positioning.velocity": 100.0,
+            "positioning.acceleration": 1000.0,
+            "positioning.jerk": 1e5,
+            f"max_{kind}": limit,
+            f"check_{kind}": is_checked,
+        },
+        master_position=900.0,
+    ).give("position_to_cycle" if to_cycle else "position_to_park")
+    number = {"speed": 1, "acceleration": 2}[kind]
+    for _ in range(int(8.0 / h)):
+        follower.run(h)
+        size = abs(follower.slave[number])
+        if follower.state == State.M_IN_ALARM:
+            assert is_checked
+            assert size > limit
+            assert follower.fault == {"speed": 15, "acceleration": 16}[kind]
+            assert follower.run(5.0).slave[1:] == (0.0, 0.0)
+            return
+        assert not is_checked or size <= limit * (1.0 + 1e-9)
+    assert share > 1.0 or not is_checked
+    assert follower.position == near(18.75 if to_cycle else 0.0)

@@ -3,7 +3,9 @@
 from random import Random
 from typing import Any
 
+from motionsync.exceeded_limit import Limit
 from motionsync.rotary_knife.block import RotaryKnife
+from motionsync.rotary_knife.faults import SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode, Warnings
 from tests.support import cutting_runs
 from tests.support.cutting_runs import COMMANDS, CuttingMachine
@@ -40,6 +42,8 @@ def random_window(r: Random, length: float, _duration: float) -> dict[str, Any]:
     }
 
 
+KNIFE_LIMITS = (Limit.MAX_VELOCITY, Limit.MAX_ACCELERATION, Limit.MAX_DECELERATION, Limit.MAX_JERK)
+
 MACHINE = CuttingMachine(
     machine=random_knife,
     tool=random_window,
@@ -61,5 +65,12 @@ def features(block: RotaryKnife) -> set[Any]:
 STRATEGY = Strategy(
     runs,
     features,
-    frozenset({*cutting_runs.required_features(State, Warnings), *(("in sync", mode) for mode in SyncMode)}),
+    frozenset(
+        {
+            *cutting_runs.required_features(State, Warnings),
+            *(("in sync", mode) for mode in SyncMode),
+            *(("skipped", reason) for reason in SkipReason),
+            *(("exceeded", limit) for limit in KNIFE_LIMITS),
+        }
+    ),
 )

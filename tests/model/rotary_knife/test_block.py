@@ -8,8 +8,10 @@ import math
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.faults import NoLength, PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import KnifeParameter, Refusal, SkipReason
@@ -150,6 +152,27 @@ def test_a_cut_whose_ramp_would_have_begun_before_start_is_left_out() -> None:
     assert (knife["last.length"], knife["last.kind"]) == (near(300.0), PieceKind.PRODUCT)
 
 
+@settings(deadline=None)
+@given(st.floats(100.0, 2000.0), st.floats(0.0, 0.2), st.floats(0.05, 1.3), st.booleans())
+def test_a_cut_that_is_skipped_for_its_ramp_says_how_much_is_missing(
+    circumference: float, window: float, length: float, is_fast: bool
+) -> None:
+    """All in circumferences: the ramp from park, at half a turn, takes 2 (1/2 - before), and the cut is `before` behind
+    it. So 1 - before has to be ahead of it at start; a line that is too fast for the ramp is another reason."""
+    values = dict.fromkeys(("sync.before", "sync.after"), window * circumference)
+    values |= {"knife.circumference": circumference, "length": length * circumference}
+    speed = 0.9 * RotaryKnifeHarness({**values, "length": 1e5}, speed=1.0).run(0.01)["limits.max_line_velocity"]
+    knife = started_knife(values, speed=speed * (1.5 if is_fast else 1.0)).run(1e-9)
+    missing = 1.0 - window - length
+    if is_fast and missing > 0.0:
+        assert knife["local.skip_reason"] == SkipReason.LATE
+    elif missing > 1e-6:
+        assert knife["local.skip_reason"] == SkipReason.RAMP
+        assert knife["local.missing_distance"] == pytest.approx(missing * circumference, rel=1e-6)
+    elif missing < -1e-6:
+        assert knife["local.skip_reason"] == SkipReason.NONE
+
+
 def test_what_becomes_of_a_cut_that_is_too_near() -> None:
     """At 1200 u/s the piece of 300 is too short: SKIP cuts 600, LATE as soon as possible, STOP_LINE stops the line."""
     skip, late, stop = (started_knife({"length": 300.0, "late_mode": mode}, speed=1200.0).at(1.65) for mode in LateMode)
@@ -169,6 +192,7 @@ def test_a_pitch_of_no_more_than_the_window_is_late_on_any_line() -> None:
 def test_pieces_that_need_a_rest_count_as_no_length_where_the_knife_must_not_park() -> None:
     knife = started_knife({"length": 1300.0, "allow_parking": False}).at(0.5)
     assert (knife["warning.no_length"], knife["error_id"]) == (True, PieceFault.TUNABLE)
+    assert knife["local.no_length"] == NoLength.TOO_LONG
     assert knife.set({"length": 1200.0}).at(0.6)["warning.no_length"] is False
 
 
@@ -284,25 +308,77 @@ def test_far_back_the_knife_rests_as_if_it_had_started_there() -> None:
 # --- invalid values ---------------------------------------------------------------------------------------------------
 
 
-def refusal(**values: Any) -> Refusal:
-    """Of a knife with these start values; a name has `__` for a dot."""
+def refused(**values: Any) -> tuple[Refusal, float, float]:
+    """Of a knife with these start values, and which values it would allow; a name has `__` for a dot."""
     block = RotaryKnife()
     for name, value in values.items():
         group, _, leaf = name.partition("__")
         setattr(getattr(block, group) if leaf else block, leaf or group, value)
-    return block.initialize()
+    return block.initialize(), block.local.allowed_from, block.local.allowed_to
+
+
+ACCEPTED = (Refusal.NONE, 0.0, 0.0)
 
 
 def test_windows_without_a_way_between_them_are_refused() -> None:
-    """The park angle of 180 lies behind a window of 301, and before one that begins 301 before the next cut."""
-    assert refusal() == Refusal.NONE
-    assert refusal(sync__after=299.0) == Refusal.NONE
-    assert refusal(sync__after=301.0) == Refusal.KNIFE_WINDOW
-    assert refusal(sync__before=301.0) == Refusal.KNIFE_WINDOW
-    assert refusal(knife__blades=2) == Refusal.KNIFE_WINDOW
-    assert refusal(knife__blades=2, knife__park_angle=90.0) == Refusal.NONE
-    assert refusal(sync__mode=SyncMode.HORIZONTAL, sync__before=91.0) == Refusal.KNIFE_WINDOW
-    assert refusal(mark__spacing=100.0, mark__window=50.0) == Refusal.MARK_WINDOW
+    """The park angle of 180 lies behind a window of 301, and before one that begins 301 before the next cut: either
+    half may have 300. Edges of 600 mm in 360 degrees go 12 degrees in 20 mm; 14 blades are 42.9 mm apart, 15 are 40."""
+    assert refused() == refused(sync__after=299.0) == refused(knife__blades=2) == refused(knife__blades=14) == ACCEPTED
+    assert refused(sync__after=301.0) == (Refusal.SYNC_AFTER, 0.0, near(300.0, tolerance=1e-6))
+    assert refused(sync__before=301.0) == (Refusal.SYNC_BEFORE, 0.0, near(300.0, tolerance=1e-6))
+    assert refused(knife__blades=15) == (Refusal.BLADES, 1.0, 14.0)
+    assert refused(knife__blades=2, knife__park_angle=180.0) == (Refusal.PARK_ANGLE, near(12.0, tolerance=1e-6), near(168.0, tolerance=1e-6))
+    assert refused(knife__blades=2, knife__park_angle=90.0) == ACCEPTED
+    assert refused(sync__mode=SyncMode.HORIZONTAL, sync__before=91.0) == (Refusal.SYNC_BEFORE, 0.0, near(90.0))
+    assert refused(mark__spacing=100.0, mark__window=50.0)[0] == Refusal.MARK_WINDOW
+
+
+@settings(deadline=None)
+@given(
+    blades=st.integers(1, 64),
+    park=st.sampled_from([0.0, 0.0, 0.1, 0.4, 0.9]),
+    before=st.floats(0.0, 0.2),
+    after=st.floats(0.0, 0.2),
+    overspeed=st.sampled_from([-0.2, 0.0, 0.5]),
+    mode=st.sampled_from(SyncMode),
+    turn=st.sampled_from([1.0, 360.0, 6.283185307179586]),
+)
+def test_what_is_refused_is_accepted_in_the_range_that_is_named(
+    blades: int, park: float, before: float, after: float, overspeed: float, mode: SyncMode, turn: float
+) -> None:
+    """Windows in circumferences, the park angle in turns; outside of the range it is still refused."""
+    values: dict[str, Any] = {"knife__turn": turn, "knife__blades": blades, "knife__park_angle": park * turn}
+    values |= {"sync__before": before * 600.0, "sync__after": after * 600.0}
+    values |= {"sync__overspeed": overspeed, "sync__mode": mode}
+    reason, low, high = refused(**values)
+    name = {
+        Refusal.BLADES: "knife__blades",
+        Refusal.PARK_ANGLE: "knife__park_angle",
+        Refusal.SYNC_BEFORE: "sync__before",
+        Refusal.SYNC_AFTER: "sync__after",
+    }.get(reason)
+    if name is None:
+        assert (reason, low, high) == ACCEPTED
+        return
+    assert not low <= values[name] <= high
+    inside = high if name == "knife__blades" else low + 0.999 * (high - low)
+    other = refused(**values | {name: int(inside) if name == "knife__blades" else inside})[0]
+    assert other != reason
+    assert other == Refusal.NONE or name in ("sync__before", "sync__after", "knife__blades")
+
+
+@pytest.mark.parametrize("blades", [1, 2, 3, 7])
+@pytest.mark.parametrize("turn", [360.0, 1.0, 25.0])
+def test_without_a_park_angle_the_knife_rests_half_way_between_two_blades(blades: int, turn: float) -> None:
+    """The same as with that angle, through a piece on which it parks."""
+    values = {"knife.blades": blades, "knife.turn": turn, "length": 3000.0 / blades, "knife.park_angle": 0.0}
+    values |= {f"sync.{half}": 10.0 for half in ("before", "after")}
+    half = turn / blades / 2.0
+    knives = [started_knife(values | {"knife.park_angle": angle}, speed=100.0) for angle in (0.0, half)]
+    assert [knife["slave.position"] for knife in knives] == near(half, half)
+    rows = [knife.rows(40.0, cuts=[i / 10.0 for i in range(400)]) for knife in knives]
+    assert rows[0] == rows[1]
+    assert knives[0]["statistics.cuts"] > 0
 
 
 @pytest.mark.parametrize(
@@ -311,7 +387,8 @@ def test_windows_without_a_way_between_them_are_refused() -> None:
         ("sync.before", math.nan, KnifeParameter.SYNC_BEFORE),
         ("sync.after", -1.0, KnifeParameter.SYNC_AFTER),
         ("sync.overspeed", 0.6, KnifeParameter.OVERSPEED),
-        ("sync.before", 301.0, KnifeParameter.KNIFE_WINDOW),
+        ("sync.before", 301.0, KnifeParameter.SYNC_BEFORE),
+        ("sync.after", 301.0, KnifeParameter.SYNC_AFTER),
         ("material_factor", 0.0, KnifeParameter.MATERIAL_FACTOR),
         ("line.margin", 1.0, KnifeParameter.MARGIN),
         ("late_mode", 4, KnifeParameter.LATE_MODE),
@@ -330,3 +407,19 @@ def test_a_piece_is_not_fixed_with_a_window_that_the_knife_cannot_have() -> None
     assert (knife["statistics.cuts"], knife["warning.no_length"], knife["error_id"]) == (1, True, PieceFault.TUNABLE)
     knife.set({"sync.before": 30.0}).at(0.66)
     assert not knife["warning.no_length"]
+
+
+@pytest.mark.parametrize("factor", [1e7, 1e8, 1e10])
+@pytest.mark.parametrize("front", [0.0, 1e12])
+def test_a_cut_now_whose_ramp_is_hidden_by_rounding_is_refused(factor: float, front: float) -> None:
+    """At 1e12 neighbouring numbers are 1.2e-4 apart; the ramp takes 540/factor of the master. With `front` there is no
+    lack of material. The machine goes on: at 0 the same command cuts after 570/factor."""
+    values = {"material_factor": factor, "length": 1e9, "front_position": front}
+    knife = RotaryKnifeHarness(values, master_position=1e12, speed=0.0).give("start").run(0.01)
+    knife.give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state, knife["statistics.cuts"]) == (PieceFault.CUT_NOW, State.WAITING, 0)
+    knife.give("stop").run(0.01).set({"front_position": 1e4})
+    knife.master_position = 0.0
+    knife.run(0.01).give("start").run(0.01).give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state) == (PieceFault.NONE, State.ENGAGING)
+    assert knife["next_cut.position"] == pytest.approx(570.0 / factor)

@@ -99,7 +99,8 @@ def test_a_cut_has_its_window_where_it_is(case: Case, place: float, share: float
 )
 def test_a_horizontal_window_is_at_most_so_wide(mode: bool, before: float, after: float, narrow: bool) -> None:
     """0.15 of 600 on either side."""
-    assert is_narrow(Knife(is_horizontal=mode), before, after) == narrow
+    knife = Knife(is_horizontal=mode)
+    assert (is_narrow(knife, before) and is_narrow(knife, after)) == narrow
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def test_once_armed_a_command_stays_armed() -> None:
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_a_command_against_the_master_s_direction_waits_for_ever_and_deactivation_ends_it(direction: float) -> None:
-    """With a period: never on a ramp but for instants, although the master passes 99 of them."""
+    """With a period: never on a ramp, although the master passes 99 of them."""
     rig = Harness(3.0, period=50.0, output_phasing=direction * 10.0).pulse(stop=True, rest_value=30.0)
     for _ in range(700):
         rig.go(rig.at - direction * 7.0710678).shows(EXECUTING, s=True)
@@ -88,3 +88,23 @@ def test_a_turning_point_on_the_cubic_completes_a_command() -> None:
     rig = Harness(15.0, mode=END, **{"master.velocity": 60.0})
     rig.move(60.0, -60.0, 2.0, stop=True, rest_value=30.0).shows(READY, s=False).slave(30.0)
     assert rig.at == 15.0
+
+
+@pytest.mark.parametrize("turns", [1, 2, 7])
+@pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])
+def test_back_from_the_ramp_to_where_an_earlier_turn_s_begins_the_slave_is_not_on_that_one(
+    curve: Curve, turns: int
+) -> None:
+    """The stop's ramp begins at 20 of each turn of 50; the master goes back from 25 to such a 20 within one step."""
+    rig = Harness(0.0, curve=curve, period=50.0).go(25.0, stop=True, rest_value=30.0)
+    rig.shows(EXECUTING, s=True, ramp=True).go(20.0 - 50.0 * turns).shows(EXECUTING, s=True).slave(20.0)
+    assert rig.block.slave.acceleration == 0.0
+    rig.go(25.0 - 50.0 * turns).shows(EXECUTING, s=True, ramp=True)
+
+
+def test_a_correction_of_a_master_that_goes_against_the_sign_does_not_lead_onto_the_ramp() -> None:
+    """The prediction ends at 19.5, before the beginning at 20; the master has slowed down to 1 and is at 20.5."""
+    rig = Harness(30.0, period=50.0).rest_at(30.0).pulse(start=True).go(19.5)
+    rig.at = 20.5
+    rig.move(-1.0, 0.0, 0.25).shows(EXECUTING, s=False).slave(30.0, 0.0)
+    assert rig.block.local.distance_to_begin == pytest.approx(49.75)

@@ -286,6 +286,18 @@ def test_a_command_against_the_masters_direction_waits_for_ever() -> None:
     assert (row["state_code"], row["syn_ramp_on"], row["slave.velocity"]) == (EXECUTING, 0.0, -90.0)
 
 
+@pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])
+@pytest.mark.parametrize("period", [0.0, 360.0])
+def test_where_the_master_passes_the_begin_against_the_sign_nothing_happens(curve: int, period: float) -> None:
+    """The stop's x_b is 90, which the master passes at 1 s, downwards."""
+    sets = ({"at": 0.5, "stop": True, "rest_value": 180.0},)
+    given = steady(-90.0, 2.0, *sets, position=180.0, curve=curve, master__period=period)
+    rows = reference(given, [1.0])
+    assert {(row["slave.position"], row["slave.acceleration"], row["syn_ramp_on"]) for row in rows} == {
+        (90.0, 0.0, 0.0)
+    }
+
+
 def test_a_waiting_command_aims_at_each_occurrence_passed_backwards() -> None:
     """x_b = 90 + 360·n; from 0 the master falls to -900 and rises again at 90 deg/s."""
     segments = [{"duration": 10.0, "velocity": -90.0}, {"duration": 10.0, "velocity": 90.0}]

@@ -18,6 +18,7 @@ def cylinder(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
     names = run.scenario.recipe.piece_variables
     assert names
     turn, circumference = run.start(picture["turn"]), run.start(picture["circumference"])
+    blades = int(run.start(picture["blades"]))
     ratio = run.start(names.factors[0])
     pieces = find_pieces(run.scenario, run.recording)
     edge = np.abs(run.values("slave.velocity")).max() * circumference / turn
@@ -25,8 +26,8 @@ def cylinder(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
         "scene": "cylinder",
         "turn": turn,
         "circumference": circumference,
-        "blades": int(run.start(picture["blades"])),
-        "park": run.start(picture["park"]),
+        "blades": blades,
+        "park": run.start(picture["park"]) or 0.5 * turn / blades,
         "ratio": ratio,
         "sync": {name: run.signal(picture[name]) for name in ("before", "after", "overspeed")},
         "along_material": run.starts_as(picture["along_material"]),

@@ -27,8 +27,9 @@ Of a belt:
 
 Of a cylinder, whose block records its pieces, all of them are required:
 
-- `turn`, `circumference`, `blades`, `park`: start values: the slave's position per turn and that at park, the circle
-  on which the blades' edges run, and how many there are; one is at the material where the slave's position is 0.
+- `turn`, `circumference`, `blades`, `park`: start values: the slave's position per turn and that at park (0: half way
+  between two blades), the circle on which the blades' edges run, and how many there are; one is at the material where
+  the slave's position is 0.
 - `before`, `after`, `overspeed`: the window around a cut, and by which share the edge is faster in it.
 - `along_material`: `parameter == MEMBER`, where the edge's speed along the material is the line's, not that along its
   circle.

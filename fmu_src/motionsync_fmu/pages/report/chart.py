@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+import numpy as np
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 
@@ -22,6 +23,9 @@ LIMIT, OK, BAD = "--limit", "--ok", "--bad"
 TOP, GAP, BOTTOM, LEFT, RIGHT = 58, 34, 44, 62, 16  # px; the heights of rows are in px, too
 CLEAR = "rgba(0,0,0,0)"
 KINDS = 7  # colours of kinds of pieces
+TEXT = 0.2  # of the horizontal axis: the space for the text at a vertical line
+SWINGS = 150  # of a curve; of one that swings up and down more often the line is thinner, so that it remains a curve
+THINNEST = 0.25  # of its width
 
 
 @dataclass(frozen=True)
@@ -110,11 +114,15 @@ class Chart:
         self.axis(row).update({"overlaying": axis_id(number), "tickmode": "auto"})
         return number
 
-    def add_right_axis(self, row: int, text: str, colour: str) -> int:
-        """Add an axis on the right of a row, over the same plot; return its number."""
+    def add_right_axis(self, row: int, text: str, colour: str, *, behind: bool = False) -> int:
+        """Add an axis on the right of a row; return its number. Its curves are over those of the row, or `behind`."""
         base = self.axis(row).get("overlaying", axis_id(row))
-        ticks = {"side": "right", "tickmode": "auto", "tickfont": {"color": colour}, "overlaying": base}
+        ticks = {"side": "right", "tickmode": "auto", "tickfont": {"color": colour}}
         number = self._add_axis(row, ticks | {"showgrid": False, "zeroline": False})
+        if behind:
+            self.axis(row).update({"overlaying": axis_id(number), "tickmode": "auto"})
+        else:
+            self.axis(number)["overlaying"] = base
         self.layout["meta"]["right"] = LEFT
         position = {"x": 1, "y": 1, "xanchor": "right", "yanchor": "bottom", "font": {"size": 13, "color": colour}}
         self.annotate(text, yref=f"{axis_id(row)} domain", **position)
@@ -132,7 +140,10 @@ class Chart:
         style = {"line": {"color": colour, "width": 1, "dash": "dot"}, "opacity": opacity, "layer": layer}
         self.layout["shapes"].append(line | style)
         if text:
-            anchor = "left" if 2.0 * value < sum(self.span) else "right"  # so that it does not leave the chart
+            low, high = self.span
+            is_left, space = 2.0 * value < low + high, TEXT * (high - low)
+            outward = min(value - low, high - value) > space  # neither beyond the chart nor on another one
+            anchor = "right" if is_left == outward else "left"
             self.annotate(text, xref="x", yref="paper", x=value, y=1, xanchor=anchor, yanchor="top", font={"size": 11})
 
     def draw_horizontal_line(self, row: int, name: str, value: float, dash: str = "dot") -> None:
@@ -181,7 +192,8 @@ class Chart:
         must not be left out; `gaps`: those before which the line has a gap; `legend_rank`: its position in the
         legend, 0: in the sequence in which lines are drawn."""
         x, y = points(time, values, required, gaps)
-        line = {"color": style.colour, "width": style.width, "dash": style.dash}
+        width = style.width * min(1.0, max(THINNEST, SWINGS / max(count_swings(values), 1)))
+        line = {"color": style.colour, "width": float(f"{width:.2g}"), "dash": style.dash}
         trace = {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line}
         trace |= {
             "hovertemplate": hover_template(unit, hover_name or name),
@@ -237,6 +249,14 @@ def align_charts(charts: Iterable[Chart]) -> None:
     widest = max(chart.layout["meta"]["right"] for chart in aligned)
     for chart in aligned:
         chart.layout["margin"]["r"] = widest
+
+
+def count_swings(values: Reals) -> int:
+    """How often a curve goes from the lower quarter of its range into the upper one, or back."""
+    span = float(np.ptp(values))
+    share = (values - values.min()) / (span or 1.0)
+    outer = share[np.abs(share - 0.5) > 0.25] > 0.5
+    return int(np.count_nonzero(np.diff(outer)))
 
 
 def axis_key(row: int) -> str:

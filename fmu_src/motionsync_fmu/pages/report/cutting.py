@@ -31,7 +31,8 @@ def chart_cuts(
         "The saw and the passing marks, and the error of each cut", [330, 130], "time in s", (0.0, scenario.stop_time)
     )
     chart.write_title(1, with_unit("saw and marks", unit))
-    chart.shade_stretches(chart.add_background_axis(1), "cut", [(c.begin, c.end) for c in figures.cuts], "--cut")
+    if figures.cuts:  # over an axis without a trace nothing is drawn
+        chart.shade_stretches(chart.add_background_axis(1), "cut", [(c.begin, c.end) for c in figures.cuts], "--cut")
     _draw_marks(chart, spec, recording, figures, unit)
     saw = recording.values["slave.position"]
     chart.draw_curve(1, "saw", recording.time, saw, Style(SLAVE, 2.5), unit=unit, required=required)

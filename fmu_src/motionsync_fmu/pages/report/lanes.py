@@ -22,7 +22,7 @@ WIDTH_DIGITS = TIME_DIGITS + 3  # of a bar, so that its end has those of a time
 PERIOD = "from %{base:.6~f} s to %{x:.6~f} s"
 HUES, TONES = 8, 4  # colours of states, and of other enumerations
 MOST_STRETCHES = 1000  # of a lane; of more, those that are close together are joined
-MOST_SHADES = 500  # stretches that are shaded behind the positions
+MOST_SHADES = 150  # stretches that are shaded behind the positions; more would be a pattern of their own
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Lane:
         """The names, the later ones without the group that they share with the first."""
         group = self.names[0].rpartition(".")[0]
         shared = [n.removeprefix(group) if group and n.startswith(f"{group}.") else n for n in self.names[1:]]
-        return " = ".join([self.names[0], *shared]) + (" (many changes, some are joined)" if self.joined else "")
+        return " = ".join([self.names[0], *shared]) + (" (some are joined)" if self.joined else "")
 
     @property
     def values(self) -> list[int]:
@@ -143,10 +143,15 @@ def find_changes(recording: Recording, lanes: Sequence[Lane], times: Sequence[fl
     return inside if len(inside) <= 2 * BUCKETS else NONE
 
 
+def is_shaded(lane: Lane) -> bool:
+    """Whether the stretches of a lane are shaded behind the positions."""
+    return lane.is_state and len(lane.stretches) <= MOST_SHADES
+
+
 def state_stretches(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float]]]]:
     """The stretches of each state, with its colour, which are shaded behind the position."""
     for lane in lanes:
-        if lane.is_state and len(lane.stretches) <= MOST_SHADES:
+        if is_shaded(lane):
             for value in lane.values:
                 yield lane.colour(value), [(s.begin, s.end) for s in lane.stretches if s.value == value]
 

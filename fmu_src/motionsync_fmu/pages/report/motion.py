@@ -19,7 +19,7 @@ from ...scenario.scenario import Scenario
 from ..numbers import NONE, Indices, jumps
 from ..style import typeset, with_unit
 from .chart import MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, axis_id
-from .lanes import Lane, state_stretches
+from .lanes import Lane, is_shaded, state_stretches
 
 ROWS = (
     ("position", Unit.POSITION, 260),
@@ -67,9 +67,10 @@ def chart_motion(
     chart = Chart(
         "Motion of the slave over time", [height for *_, height in ROWS], "time in s", (0.0, scenario.stop_time)
     )
-    behind = chart.add_background_axis(1)
-    for colour, stretches in state_stretches(lanes):
-        chart.shade_stretches(behind, "state", stretches, colour)
+    if any(is_shaded(lane) for lane in lanes):  # over an axis without a trace nothing is drawn
+        behind = chart.add_background_axis(1)
+        for colour, stretches in state_stretches(lanes):
+            chart.shade_stretches(behind, "state", stretches, colour)
     if scenario.remote:
         remote = remote_errors(scenario.remote, recording)
         for i, values in enumerate(remote.received.T, 1):
@@ -98,7 +99,7 @@ def _draw_motion(chart: Chart, scenario: Scenario, recording: Recording, followe
             units[0] != units[1] or (name == "position" and _differ_in_span(master, slave))
         )
         axis = chart.add_right_axis(i, with_unit(followed, units[0]), MASTER) if separate else i
-        chart.write_title(i, with_unit(f"{'slave ' * separate}{name}", units[1]))
+        chart.write_title(i, with_unit(name, units[1]))
         followers = (axis, followed, master, Style(MASTER, 1.5)), (i, "slave", slave, Style(SLAVE, 2.2))
         for (row, who, values, style), unit, gap in zip(followers, units, gaps, strict=True):
             chart.draw_curve(
@@ -133,7 +134,7 @@ def _draw_reference(chart: Chart, scenario: Scenario) -> None:
     reference = read_reference(scenario)
     if reference is None:
         return
-    names, table, _ = reference
+    names, table = reference
     table = table[:: 1 + len(table) // MOST_MARKERS]
     for i, (name, kind, _) in enumerate(ROWS, 1):
         if (full := f"slave.{name}") in names:

@@ -21,11 +21,11 @@ from ..machine.fragment import machine
 from ..style import TEMPLATES, load_template, typeset
 from .chart import Chart, align_charts, kind_colour
 from .cutting import chart_cuts
-from .lanes import Lane, chart_lanes, find_changes, find_lanes
+from .lanes import Lane, chart_lanes, find_changes, find_lanes, is_shaded
 from .limit_rows import limit_rows
 from .motion import chart_motion, chart_remote_errors, motion_units
 from .origin import describe_fmu, origin_rows, shown_path
-from .piece_charts import chart_piece_list, chart_pieces, error_text, kind_key
+from .piece_charts import MOST_DRAWN, chart_piece_list, chart_pieces, error_text, kind_key
 from .real_machine import chart_axis, chart_force_over_velocity, chart_histogram, chart_true_errors
 
 Settings = list[tuple[float, list[tuple[str, str]]]]
@@ -67,6 +67,8 @@ def write_report(
         charts=charts,
         machine=machine(scenario, recording),
         keys=colour_keys(lanes),
+        shades=colour_keys([lane for lane in lanes if is_shaded(lane)]),
+        many=figures.production is not None and len(figures.production.pieces) > MOST_DRAWN,
         kinds=[("kind", kind_key(scenario, figures.production))] if figures.production else [],
         unit=unit_name(Unit.POSITION, scenario.unit),
         settings=settings,
@@ -77,6 +79,7 @@ def write_report(
         axis_units=motion_units(scenario.unit),
         axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
+        rounding=ROUNDING,
         kind_colour=kind_colour,
         measured=_measured,
         error_text=error_text,

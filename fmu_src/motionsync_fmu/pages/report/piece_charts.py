@@ -1,6 +1,8 @@
 """The pieces of a machine that cuts to length: where they are on the material, and how they are made over time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -17,14 +19,15 @@ from ...scenario.evaluate.production import Production
 from ...scenario.evaluate.time_series import true_stretches
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
-from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, evenly_spaced, rounded
+from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, evenly_spaced, jumps, rounded
 from ..style import with_unit
 from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound
 
 LABEL_SPACE = 0.12  # of the saw's range: the space for the name of a limit, or for numbers
 OUTFEED = 0.35  # of the saw's range: how far above it pieces are shown that have been cut off
-MOST_DRAWN = 400  # pieces on the time plot; more could not be distinguished
+MOST_DRAWN = 40  # pieces that are drawn one by one; more could not be distinguished on a narrow screen
+MOST_LARGE = 100  # pieces with large markers
 APART = 0.018  # of the time axis, the least distance of two numbers of pieces
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error
 SCALE_LIMIT = 1.5  # of tolerance and products' errors; of greater errors only the direction is drawn
@@ -42,31 +45,35 @@ def kind_key(scenario: Scenario, production: Production) -> list[tuple[str, str,
 
 
 def chart_piece_list(scenario: Scenario, production: Production) -> Chart:
-    """Draw all pieces side by side, as they are on the material."""
+    """Draw all pieces side by side, as they are on the material; of many, those in a row that are alike as one."""
     unit = unit_name(Unit.POSITION, scenario.unit)
     begin, end = min(p.begin for p in production.pieces), max(p.end for p in production.pieces)
     title = with_unit("position on the material", unit)
     chart = Chart("The pieces on the material", [64], title, (begin, end), hover="closest", timed=False)
     chart.axis(1).update({"visible": False, "range": [-0.5, 0.5], "fixedrange": True})
-    for name in dict.fromkeys(piece.name for piece in production.pieces):
-        selected = [piece for piece in production.pieces if piece.name == name]
+    stretches = _stretches(production)
+    for name in dict.fromkeys(first.name for first, _ in stretches):
+        selected = [(first, last) for first, last in stretches if first.name == name]
         trace = {
             "type": "bar",
             "orientation": "h",
-            "base": rounded((p.begin for p in selected), 10),
-            "x": rounded(p.end - p.begin for p in selected),
+            "base": rounded((first.begin for first, _ in selected), 10),
+            "x": rounded(last.end - first.begin for first, last in selected),
             "y": [0] * len(selected),
             "width": 0.8,
             "marker": {
-                "color": kind_colour(selected[0].kind),
-                "line": {"width": 1.5, "color": [BAD if p.bad else INK for p in selected]},
+                "color": kind_colour(selected[0][0].kind),
+                "line": {
+                    "width": 1.5 if len(stretches) <= MOST_DRAWN else 0.0,
+                    "color": [BAD if first.bad else INK for first, _ in selected],
+                },
             },
-            "text": [f"{p.number}<br>{engineering(p.length, digits=7)}" for p in selected],
+            "text": [_label(first, last) for first, last in selected],
             "textposition": "inside",
             "insidetextanchor": "middle",
             "textangle": 0,
             "textfont": {"color": INK},
-            "customdata": [_describe_piece(p, production) for p in selected],
+            "customdata": [_describe_stretch(first, last, production) for first, last in selected],
             "hovertemplate": "%{customdata}<extra></extra>",
         }
         chart.add_trace(1, name, trace, legend=False)
@@ -76,10 +83,38 @@ def chart_piece_list(scenario: Scenario, production: Production) -> Chart:
     return chart
 
 
+def _stretches(production: Production) -> list[tuple[Piece, Piece]]:
+    """The first and the last of each stretch of pieces that are drawn as one: where there are many, those that are
+    alike and follow one another; else each piece alone."""
+    if len(production.pieces) <= MOST_DRAWN:
+        return [(piece, piece) for piece in production.pieces]
+    ends = [(p.name, p.bad, engineering(p.ordered, digits=7)) for p in production.pieces]
+    groups = [
+        list(pieces) for _, pieces in groupby(zip(ends, production.pieces, strict=True), key=lambda pair: pair[0])
+    ]
+    return [(group[0][1], group[-1][1]) for group in groups]
+
+
+def _label(first: Piece, last: Piece) -> str:
+    """What is written on a piece, or on several: `3<br>600`, `3 to 8<br>600`."""
+    if first is last:
+        return f"{first.number}<br>{engineering(first.length, digits=7)}"
+    return f"{first.number} to {last.number}<br>{engineering(first.ordered, digits=7)}"
+
+
+def _describe_stretch(first: Piece, last: Piece, production: Production) -> str:
+    """A piece, or several that are alike, in words, shown next to the pointer."""
+    if first is last:
+        return _describe_piece(first, production)
+    ordered = engineering(first.ordered, production.unit, digits=7)
+    return f"pieces {first.number} to {last.number}, {escape(first.name)}: {ordered} ordered"
+
+
 def chart_pieces(
     scenario: Scenario, recording: Recording, figures: KeyFigures, production: Production, required: Indices = NONE
 ) -> Chart:
-    """Draw the pieces passing the saw; the line's velocity, its request and its limit; length errors; reserve."""
+    """Draw the pieces passing the saw, or of many pieces their lengths; the line's velocity, its request and its limit;
+    length errors; reserve."""
     names = scenario.recipe.piece_variables
     assert names
     chart = Chart(
@@ -88,7 +123,10 @@ def chart_pieces(
         "time in s",
         (0.0, scenario.stop_time),
     )
-    _draw_material(chart, scenario, recording, figures, production, names, required)
+    if len(production.pieces) > MOST_DRAWN:
+        _draw_lengths(chart, production)
+    else:
+        _draw_material(chart, scenario, recording, figures, production, names, required)
     _draw_line(chart, scenario, recording, names, required)
     _draw_errors(chart, production)
     _draw_reserve(chart, recording, production, names, required)
@@ -122,7 +160,6 @@ def _draw_material(
 ) -> None:
     """Draw the pieces as bands that pass the saw, in the colours of their kinds, and the saw between them."""
     unit = unit_name(scenario.recipe.variables["slave.position"].declaration.unit, scenario.unit, scenario.slave_unit)
-    chart.write_title(1, with_unit(f"{names.tool} and material", unit))
     saw = recording.values["slave.position"]
     low, high = float(saw.min()), float(saw.max())
     height = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
@@ -133,29 +170,84 @@ def _draw_material(
     high = max([high, *(b.value + 2.0 * LABEL_SPACE * height for b in limits if b.is_upper)])  # and numbers
     factor = coupling_factor(scenario, recording)
     travel = recording.master[:, 0]
-    if 0 < len(production.pieces) <= MOST_DRAWN:
+    material = _Window(1, 1.0, low, high)
+    if unit == production.unit:
+        chart.write_title(1, with_unit(f"{names.tool} and material", unit))
+    else:
+        chart.write_title(1, with_unit(names.tool, unit))
+        right = chart.add_right_axis(1, with_unit("material", production.unit), MASTER, behind=True)
+        chart.axis(right)["range"] = [low / factor, high / factor]
+        material = _Window(right, 1.0 / factor, low, high)
+    if production.pieces:
         for name in dict.fromkeys(piece.name for piece in production.pieces):
             selected = [piece for piece in production.pieces if piece.name == name]
-            _draw_bands(chart, recording.time, travel, factor, selected, (low, high))
-        _draw_rest(chart, recording.time, factor * (travel - production.pieces[-1].end), (low, high))
+            _draw_bands(chart, recording.time, travel, factor, selected, material)
+        _draw_rest(chart, recording.time, factor * (travel - production.pieces[-1].end), material)
         _draw_numbers(chart, recording.time, travel, factor, production.pieces, high - 0.06 * height)
-    elif production.pieces:
-        chart.annotate(
-            f"{len(production.pieces)} pieces: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top"
-        )
-    chart.draw_curve(1, names.tool, recording.time, saw, Style(SLAVE, 2.2), unit=unit, required=required)
+    gaps = jumps(recording.time, saw, recording.values["slave.velocity"])
+    style = Style(SLAVE, 2.2)
+    chart.draw_curve(1, names.tool, recording.time, saw, style, unit=unit, required=required, gaps=gaps)
     if (cutting := recording.values[names.cutting] != 0.0).any():
-        _draw_cutting(chart, recording.time, saw, cutting)
+        _draw_cutting(chart, recording.time, saw, cutting, gaps)
     chart.axis(1)["range"] = [low, high]
     for bound in limits:
         draw_bound(chart, bound, unit, height)
 
 
+@dataclass(frozen=True)
+class _Window:
+    """Where the material is drawn.
+
+    Attributes:
+        axis: the number of its axis.
+        scale: the unit of the saw's positions, in the unit of this axis.
+        low, high: the least and the greatest position of the saw.
+    """
+
+    axis: int
+    scale: float
+    low: float
+    high: float
+
+    def values(self, positions: Iterable[float]) -> list[Any]:
+        """Positions of the saw, as the axis has them."""
+        return rounded((self.scale * position for position in positions), 6)
+
+
+def _draw_lengths(chart: Chart, production: Production) -> None:
+    """Draw the length of each piece at the time of its cut, in the colour of its kind, and the ordered one as steps."""
+    chart.write_title(1, with_unit("length", production.unit))
+    for name in dict.fromkeys(piece.name for piece in production.pieces):
+        selected = [piece for piece in production.pieces if piece.name == name]
+        trace = _markers(selected, [p.length for p in selected], production)
+        trace["marker"] |= {"color": kind_colour(selected[0].kind), "line": EDGE}
+        chart.add_trace(1, f"length, {name}", trace | {"meta": with_unit(f"length, {name}", production.unit)})
+    ordered = [p for p in production.pieces if p.product]
+    line: dict[str, Any] = {"type": "scatter", "mode": "lines", "hoverinfo": "skip"}
+    line |= {"line": {"color": INK, "width": 1.0, "shape": "vh"}}
+    line |= {"x": rounded((p.reported_at for p in ordered), TIME_DIGITS), "y": rounded(p.ordered for p in ordered)}
+    chart.add_trace(1, "ordered", line)
+    chart.axis(1)["rangemode"] = "tozero"
+
+
+def _markers(pieces: Sequence[Piece], values: Iterable[float], production: Production) -> dict[str, Any]:
+    """A marker for each piece, at the time at which it was reported; the more pieces, the smaller."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": rounded((p.reported_at for p in pieces), TIME_DIGITS),
+        "y": rounded(values),
+        "customdata": [_describe_piece(p, production) for p in pieces],
+        "marker": {"size": 8 if len(production.pieces) <= MOST_LARGE else 4},
+        "hovertemplate": "%{customdata}<extra></extra>",
+    }
+
+
 def _draw_bands(
-    chart: Chart, time: Reals, travel: Reals, factor: float, selected: Sequence[Piece], window: tuple[float, float]
+    chart: Chart, time: Reals, travel: Reals, factor: float, selected: Sequence[Piece], window: _Window
 ) -> None:
     """Draw pieces of one kind while they are in the window of the saw's positions."""
-    low, high = window
+    low, high = window.low, window.high
     most = max(8, BUCKETS // max(len(selected), 1))
     x: list[Any] = []
     y: list[Any] = []
@@ -168,25 +260,25 @@ def _draw_bands(
         at = _corners(inside, lower, upper, window, most)
         bottom, top = np.clip(lower[at], low, high), np.clip(upper[at], low, high)
         x += [*rounded(time[at], TIME_DIGITS), *rounded(time[at][::-1], TIME_DIGITS), None]
-        y += [*rounded(bottom, 6), *rounded(top[::-1], 6), None]
-    chart.draw_area(1, selected[0].name, x, y, kind_colour(selected[0].kind), EDGE, legend=False)
+        y += [*window.values(bottom), *window.values(top[::-1]), None]
+    chart.draw_area(window.axis, selected[0].name, x, y, kind_colour(selected[0].kind), EDGE, legend=False)
 
 
-def _draw_rest(chart: Chart, time: Reals, edge: Reals, window: tuple[float, float]) -> None:
+def _draw_rest(chart: Chart, time: Reals, edge: Reals, window: _Window) -> None:
     """Draw the material behind the last cut, whose front edge is at these positions of the saw."""
-    low, high = window
+    low, high = window.low, window.high
     inside = np.flatnonzero(edge > low)
     if len(inside) < 2:
         return
     at = _corners(inside, edge, edge, window, BUCKETS)
     x = rounded([*time[at], time[at[-1]], time[at[0]]], TIME_DIGITS)
-    y = rounded([*np.clip(edge[at], low, high), low, low], 6)
-    chart.draw_area(1, "not cut", x, y, kind_colour(0), EDGE, legend=True)
+    y = window.values([*np.clip(edge[at], low, high), low, low])
+    chart.draw_area(window.axis, "not cut", x, y, kind_colour(0), EDGE, legend=True)
 
 
-def _corners(inside: Indices, lower: Reals, upper: Reals, window: tuple[float, float], most: int) -> Indices:
+def _corners(inside: Indices, lower: Reals, upper: Reals, window: _Window, most: int) -> Indices:
     """So many points of those inside the window, and those at which an edge of the piece enters or leaves it."""
-    low, high = window
+    low, high = window.low, window.high
     spread = inside[evenly_spaced(len(inside), most)]
     crossings = [np.flatnonzero(np.diff(edge > level)) for edge in (lower, upper) for level in (low, high)]
     both = np.concatenate([c + i for c in crossings for i in (0, 1)])
@@ -207,14 +299,16 @@ def _draw_numbers(
             after = at + distance
 
 
-def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any) -> None:
-    """Draw the saw as a thick line while it cuts."""
+def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any, gaps: Indices) -> None:
+    """Draw the saw as a thick line while it cuts. `gaps`: the points to which it jumps, as a knife does at a turn."""
     x: list[Any] = []
     y: list[Any] = []
     for first, after in true_stretches(cutting):
-        at = first + evenly_spaced(after - first, 6)
-        x += [*rounded(time[at], TIME_DIGITS), None]
-        y += [*rounded(saw[at]), None]
+        borders = [first, *gaps[(gaps > first) & (gaps < after)].tolist(), after]
+        for begin, end in pairwise(borders):
+            at = begin + evenly_spaced(end - begin, 6)
+            x += [*rounded(time[at], TIME_DIGITS), None]
+            y += [*rounded(saw[at]), None]
     line = {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": {"color": INK, "width": 5}}
     chart.add_trace(1, "cutting", line | {"hoverinfo": "skip"})
 
@@ -270,27 +364,21 @@ def _draw_errors(chart: Chart, production: Production) -> None:
 
 def _draw_stems(chart: Chart, production: Production, most: float) -> None:
     beyond = [abs(p.error) > most for p in production.pieces]
-    x = rounded((p.reported_at for p in production.pieces), TIME_DIGITS)
-    y = rounded(float(np.clip(p.error, -most, most)) for p in production.pieces)
-    line = {"type": "scatter", "mode": "lines", "line": {"color": INK, "width": 1}, "hoverinfo": "skip"}
-    stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
-    chart.add_trace(3, "stems", line | stems, legend=False)
+    errors = [float(np.clip(p.error, -most, most)) for p in production.pieces]
+    trace = _markers(production.pieces, errors, production)
     up = ["triangle-up" if p.error > 0.0 else "triangle-down" for p in production.pieces]
-    trace = {
-        "type": "scatter",
-        "mode": "markers",
-        "x": x,
-        "y": y,
-        "customdata": [_describe_piece(p, production) for p in production.pieces],
-        "marker": {
-            "size": 8,
-            "symbol": [s if far else "circle" for s, far in zip(up, beyond, strict=True)],
-            "color": [OK if p.good else BAD if p.bad else MUTED for p in production.pieces],
-        },
-        "hovertemplate": "%{customdata}<extra></extra>",
-        "meta": with_unit("length error", production.unit),
+    trace["marker"] |= {
+        "symbol": [s if far else "circle" for s, far in zip(up, beyond, strict=True)],
+        "color": [OK if p.good else BAD if p.bad else MUTED for p in production.pieces],
     }
-    chart.add_trace(3, "length error", trace, legend=False)
+    line = {"type": "scatter", "mode": "lines", "line": {"color": INK, "width": 1}, "hoverinfo": "skip"}
+    stems = {
+        "x": [e for t in trace["x"] for e in (t, t, None)],
+        "y": [e for v in trace["y"] for e in (0, v, None)],
+    }
+    chart.add_trace(3, "stems", line | stems, legend=False)
+    heading = with_unit("length error", production.unit)
+    chart.add_trace(3, "length error", trace | {"meta": heading}, legend=False)
 
 
 def _draw_tolerance(chart: Chart, production: Production) -> None:
@@ -317,7 +405,8 @@ def _draw_reserve(
     chart.add_trace(4, "at rest before each piece" if turns else "to spare at each piece", line | stems)
     labels = [f"{engineering(100.0 * p.reserve, digits=3)} %, piece {p.number}" for p in production.pieces]
     colours = [BAD if p.product and p.reserve <= 0.0 and not turns else OK for p in production.pieces]
-    dots = {"x": x, "y": y, "customdata": labels, "marker": {"color": colours, "size": 7}}
+    size = 7 if len(production.pieces) <= MOST_LARGE else 4
+    dots = {"x": x, "y": y, "customdata": labels, "marker": {"color": colours, "size": size}}
     dots |= {"type": "scatter", "mode": "markers", "hovertemplate": "%{customdata}<extra></extra>"}
     chart.add_trace(
         4, "to spare", dots | {"meta": f"time {'at rest' if turns else 'to spare'} at each piece in %"}, legend=False

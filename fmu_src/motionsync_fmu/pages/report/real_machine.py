@@ -8,16 +8,18 @@ from motionsync.var import Unit
 from ...interface.units import unit_name
 from ...scenario.computed_columns import ACTUAL_POSITION, ACTUAL_VELOCITY, FOLLOWING_ERROR, FORCE, POWER
 from ...scenario.engineering import engineering
-from ...scenario.evaluate.axis_figures import LoadFigures, force_unit
+from ...scenario.evaluate.axis_figures import LoadFigures
 from ...scenario.evaluate.true_pieces import TruePieces
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
-from ..numbers import DIGITS, TIME_DIGITS, Indices, evenly_spaced, rounded
+from ..numbers import DIGITS, TIME_DIGITS, Indices, evenly_spaced, jumps, rounded
 from ..style import with_unit
 from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, hover_template
 from .histogram import Histogram, bar_borders
+from .motion import fit
 
 MOST_POINTS = 4000  # of the force over the velocity
+CLOSE = 0.4  # of the greatest force: nearer limits of the motor have one text
 
 
 def chart_histogram(true: TruePieces) -> Chart:
@@ -66,14 +68,16 @@ def chart_axis(scenario: Scenario, recording: Recording, load: LoadFigures | Non
             ("actual", columns[ACTUAL_POSITION], Style(SLAVE, 1.8)),
         )
         for name, values, style in styles:
-            chart.draw_curve(row["position"], name, time, values, style, f"{name} position", length, required=required)
+            gaps = jumps(time, values, columns[ACTUAL_VELOCITY])
+            hover = f"{name} position"
+            chart.draw_curve(row["position"], name, time, values, style, hover, length, required=required, gaps=gaps)
         chart.write_title(row["error"], with_unit("following error", length))
         error = Style(SLAVE, 1.4)
         chart.draw_curve(row["error"], "following error", time, columns[FOLLOWING_ERROR], error, unit=length)
+        fit(chart, row["error"], [columns[FOLLOWING_ERROR]], max(1.0, float(np.abs(setpoint).max())))
     if load and scenario.load:
-        unit = force_unit(scenario.load)
-        chart.write_title(row["force"], with_unit("torque" if scenario.load.turns else "force", unit))
-        chart.draw_curve(row["force"], "motor", time, columns[FORCE], Style(RECEIVED, 1.6), "force", unit)
+        chart.write_title(row["force"], with_unit(load.what, load.unit))
+        chart.draw_curve(row["force"], "motor", time, columns[FORCE], Style(RECEIVED, 1.6), load.what, load.unit)
         _draw_motor_limits(chart, row["force"], scenario, load)
         chart.write_title(row["power"], "power in W")
         chart.draw_curve(row["power"], "power", time, columns[POWER], Style(RECEIVED, 1.2), unit="W")
@@ -87,8 +91,9 @@ def chart_force_over_velocity(scenario: Scenario, recording: Recording, load: Lo
     unit = unit_name(Unit.VELOCITY, scenario.slave_unit or scenario.unit)
     reach = 1.05 * float(np.abs(velocity).max()) or 1.0
     title = with_unit("velocity of the axis", unit)
-    chart = Chart("Force over velocity", [260], title, (-reach, reach), hover="closest", timed=False)
-    chart.write_title(1, with_unit("torque" if scenario.load and scenario.load.turns else "force", load.unit))
+    name = f"{load.what.capitalize()} over velocity"
+    chart = Chart(name, [260], title, (-reach, reach), hover="closest", timed=False)
+    chart.write_title(1, with_unit(load.what, load.unit))
     at = evenly_spaced(len(velocity), MOST_POINTS)
     line = {"type": "scatter", "mode": "lines", "line": {"color": RECEIVED, "width": 1.0}}
     values = {"x": rounded(velocity[at], DIGITS), "y": rounded(columns[FORCE][at], DIGITS)}
@@ -103,15 +108,16 @@ def _draw_motor_limits(chart: Chart, row: int, scenario: Scenario, load: LoadFig
     """Draw what the motor can give for moments and for ever, and the rms that it has to give."""
     if not scenario.load:
         return
-    limits = (
-        ("peak", scenario.load.peak_force, "dash", "top"),
-        ("continuous", scenario.load.continuous_force, "dot", "bottom"),  # below it is the rms
-    )
-    for name, force, dash, anchor in limits:
-        if force is None:
-            continue
-        for limit in (-force, force):
-            chart.draw_horizontal_line(row, f"{name} limit of the motor", limit, dash)
-        chart.write_limit(row, force, f"{name} {engineering(force, load.unit)}", anchor)
+    peak, continuous = scenario.load.peak_force, scenario.load.continuous_force
+    texts = []
+    for name, force, dash in (("peak", peak, "dash"), ("continuous", continuous, "dot")):
+        if force is not None:
+            for limit in (-force, force):
+                chart.draw_horizontal_line(row, f"{name} limit of the motor", limit, dash)
+            texts.append((force, f"{name} {engineering(force, load.unit)}", "top" if name == "peak" else "bottom"))
+    if peak and continuous and peak - continuous < CLOSE * max(peak, load.peak):
+        texts = [(peak, ", ".join(text for _, text, _ in texts), "bottom")]
+    for force, text, anchor in texts:  # between the two limits: below the continuous one is the rms
+        chart.write_limit(row, force, text, anchor)
     rms = {"type": "scatter", "mode": "lines", "x": list(chart.span), "y": [load.rms] * 2, "hoverinfo": "skip"}
     chart.add_trace(row, "rms over the cycles", rms | {"line": {"color": LIMIT, "width": 1.6}})

@@ -14,6 +14,8 @@ from ..scenario import Scenario
 from .time_series import true_stretches
 from .true_pieces import cutting_flag
 
+TORQUE = "N m"
+
 
 @dataclass(frozen=True)
 class FollowingError:
@@ -50,6 +52,11 @@ class LoadFigures:
     peak_share: float | None
     rms_share: float | None
     unit: str
+
+    @property
+    def what(self) -> str:
+        """What the motor gives: a force, or a torque."""
+        return "torque" if self.unit == TORQUE else "force"
 
 
 def find_following_error(scenario: Scenario, recording: Recording) -> FollowingError | None:
@@ -92,7 +99,7 @@ def find_load_figures(scenario: Scenario, recording: Recording) -> LoadFigures |
 
 def force_unit(load: Load) -> str:
     """The unit of the forces of a load, or of its torques."""
-    return "N m" if load.turns else "N"
+    return TORQUE if load.turns else "N"
 
 
 def root_mean_square(time: Reals, values: Reals) -> float:

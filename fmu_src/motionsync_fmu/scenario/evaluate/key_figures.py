@@ -166,7 +166,8 @@ class KeyFigures:
             return []
         shares = (("peak", self.load.peak, self.load.peak_share), ("rms", self.load.rms, self.load.rms_share))
         return [
-            f"beyond the motor: {name} force {engineering(force, self.load.unit)}, {100.0 * share:.3g} % of its own"
+            f"beyond the motor: {name} {self.load.what} {engineering(force, self.load.unit)}, "
+            f"{100.0 * share:.3g} % of its own"
             for name, force, share in shares
             if share is not None and share > 1.0
         ]

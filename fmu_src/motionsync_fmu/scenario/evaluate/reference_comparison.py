@@ -3,6 +3,7 @@
 import csv
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,30 +47,32 @@ class Deviation:
         return f"{self.name}: {difference} from the reference at {engineering(self.at)} s, {allowed} allowed"
 
 
-def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:
-    """Names, rows of shape (points, 1 + names) and relative tolerance of the scenario's reference; None without one.
+def reference_file(scenario: Scenario) -> Path:
+    """The reference next to a scenario's file; a scenario of the user's own may have none."""
+    return scenario.file.with_name(f"{scenario.recipe.name}_ref.csv")
+
+
+def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]]] | None:
+    """Names and rows, of shape (points, 1 + names), of the scenario's reference; None without one.
 
     Raises:
         UserError: a reference that cannot be read or names an unknown variable.
     """
-    file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
-    options = file.with_suffix(".opt")
+    file = reference_file(scenario)
     if not file.exists():
         return None
     try:
         with file.open(newline="") as lines:
             header, *rows = list(csv.reader(lines))
-        settings = dict(line.split(",") for line in options.read_text().splitlines() if line.strip())
-        tolerance = float(settings["RelTol"])
         table = np.array(rows, float)
-        if why := _find_mistake(header, table, tolerance):
+        if why := _find_mistake(header, table):
             raise ValueError(why)
-    except (OSError, ValueError, KeyError, IndexError) as error:
+    except (OSError, ValueError) as error:
         raise UserError(f"{file}: not a reference: {error}") from None
-    return header[1:], table, tolerance
+    return header[1:], table
 
 
-def _find_mistake(header: list[str], table: np.ndarray[Any, np.dtype[np.float64]], tolerance: float) -> str:
+def _find_mistake(header: list[str], table: np.ndarray[Any, np.dtype[np.float64]]) -> str:
     """Why these are no reference; empty if they are one."""
     if len(table) < 3:  # two rows are start and end, and nothing of the run
         return f"{len(table)} rows, fewer than 3"
@@ -83,19 +86,19 @@ def _find_mistake(header: list[str], table: np.ndarray[Any, np.dtype[np.float64]
     if (falls := np.diff(table[:, 0]) < 0.0).any():
         row = int(np.argmax(falls)) + 1
         return f"the time falls from {table[row - 1, 0]} to {table[row, 0]} s in row {row + 1}"
-    return "" if 0.0 < tolerance < math.inf else f"the relative tolerance is {tolerance}"
+    return ""
 
 
 def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Deviation]:
     """Compare a recording with the reference at their common times.
 
     Two rows of the reference at one time are the values before and after a jump; any value between them agrees. The
-    tolerance is relative to the greatest magnitude of the variable in the reference, at least 1.
+    scenario's tolerance is relative to the greatest magnitude of the variable in the reference, at least 1.
     """
     reference = read_reference(scenario)
     if reference is None:
         return []
-    names, table, tolerance = reference
+    names, table = reference
     if unknown := [n for n in names if n not in recording.columns]:
         raise UserError(f"{scenario.file.parent}: the reference has {unknown[0]!r}, the FMU has not")
     times = np.unique(table[:, 0])
@@ -116,5 +119,5 @@ def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Dev
         greatest, time = (
             (float(differences[worst]), float(times[common][worst])) if len(differences) else (math.inf, 0.0)
         )
-        deviations.append(Deviation(name, greatest, time, tolerance * scale, int(common.sum()), scale))
+        deviations.append(Deviation(name, greatest, time, scenario.tolerance * scale, int(common.sum()), scale))
     return deviations

@@ -1,4 +1,4 @@
-"""The cross-check files of a scenario: inputs as a CSV file that FMPy's own command line takes, and options."""
+"""A scenario for FMPy's own command line: its inputs as a CSV file, and the call."""
 
 import csv
 import io
@@ -44,26 +44,10 @@ def csv_text(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
 
 
 def write_csv(out: TextIO, names: Sequence[str], rows: Iterable[Sequence[float]]) -> None:
-    """Write the cross-check format, row by row: commas, quoted names, numbers with all their digits."""
+    """Write CSV as FMPy and the FMI cross-check have it: commas, quoted names, numbers with all their digits."""
     writer = csv.writer(out, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
     writer.writerow(names)
     writer.writerows(rows)
-
-
-def options_text(scenario: Scenario) -> str:
-    """The .opt file next to a reference."""
-    settings = {
-        "StartTime": 0.0,
-        "StopTime": scenario.stop_time,
-        "StepSize": scenario.step_size,
-        "RelTol": scenario.tolerance,
-    }
-    return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
-
-
-def inputs_file(scenario: Scenario) -> Path:
-    """The input file next to a scenario; a scenario of the user's own may have none."""
-    return scenario.file.parent / f"{scenario.recipe.name}_in.csv"
 
 
 def command_line(scenario: Scenario, fmu: Path, inputs: Path) -> str:

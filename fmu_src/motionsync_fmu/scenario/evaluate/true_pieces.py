@@ -14,6 +14,7 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ..computed_columns import ACTUAL_POSITION
+from ..engineering import engineering
 from ..recording import Reals, Recording
 from ..scenario import Scenario
 from .find_pieces import coupling_factor, tool_travel
@@ -84,6 +85,43 @@ class TruePieces:
     movement: float
     tolerance: float
     unit: str
+
+    @property
+    def mean_error(self) -> float:
+        """By how much the pieces are too long in the mean, in u."""
+        return float(np.mean([piece.error for piece in self.pieces])) if self.pieces else math.nan
+
+    @property
+    def lengths(self) -> list["OneLength"]:
+        """The figures of each ordered length, in the sequence in which they were first cut."""
+        groups: dict[str, list[TruePiece]] = {}
+        for piece in self.pieces:
+            groups.setdefault(engineering(piece.ordered, digits=9), []).append(piece)
+        return [_one_length(pieces, self.tolerance) for pieces in groups.values()]
+
+
+@dataclass(frozen=True)
+class OneLength:
+    """What the tape measure finds of the pieces with one ordered length. Lengths are in u, as in `TruePieces`."""
+
+    ordered: float
+    count: int
+    mean: float
+    deviation: float
+    worst: float
+    c_pk: float
+
+
+def _one_length(pieces: Sequence[TruePiece], tolerance: float) -> OneLength:
+    errors = [piece.error for piece in pieces]
+    return OneLength(
+        pieces[0].ordered,
+        len(pieces),
+        float(np.mean([piece.length for piece in pieces])),
+        _deviation(errors) if len(errors) > 1 else math.nan,
+        max(errors, key=abs),
+        capability(errors, tolerance),
+    )
 
 
 def cutting_flag(scenario: Scenario) -> str:

@@ -1,5 +1,6 @@
 """The table [encoder] of a scenario file: what is measured of the master, and how the block takes it."""
 
+from collections.abc import Container
 from typing import Any
 
 from motionsync.master import MasterInput
@@ -11,11 +12,13 @@ from .toml_tables import TomlTable
 MOST = 1e12  # u
 SMALLEST = 1e-9  # u and s: what is smaller is rounding
 LONGEST = 1.0  # s, as of the block's own parameters
+SCALING = "master.encoder_scaling"
 
 ENCODER = TableKeys(
     "[encoder]",
     "An encoder between the true master and master.position. In mode MEASURED master.delay and master.sample_time are "
-    "those of the encoder, unless [start] has others.",
+    "those of the encoder, and master.encoder_scaling, where a block has it, is the resolution in every mode, unless "
+    "[start] has others.",
     (
         number("resolution", "the position is rounded down to a multiple of it", "u", smallest=SMALLEST, most=MOST),
         number("noise", "one sigma; white, Gaussian, clipped at 4 sigma", "u", default=0.0, least=0.0, most=MOST),
@@ -46,10 +49,13 @@ def read_encoder(table: TomlTable) -> Encoder:
     return Encoder(**values)
 
 
-def with_encoder(start: dict[str, Any], encoder: Encoder) -> dict[str, Any]:
+def with_encoder(start: dict[str, Any], encoder: Encoder, variables: Container[str]) -> dict[str, Any]:
     """The start values of a block that takes what this encoder measures: MEASURED, with the encoder's delay and sample
-    time, unless the start values have others."""
+    time, and its resolution if `variables`, the names of the block's, have a place for it, unless the start values have
+    others."""
     values: dict[str, Any] = {"master.input_mode": MasterInput.MEASURED.value}
+    if SCALING in variables:
+        values[SCALING] = encoder.resolution
     if start.get("master.input_mode", MasterInput.MEASURED) == MasterInput.MEASURED:
         values |= {"master.delay": encoder.delay, "master.sample_time": encoder.sample_time}
     return values | start

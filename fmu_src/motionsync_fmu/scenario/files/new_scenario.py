@@ -3,6 +3,7 @@
 Its table [figures] has the names of the figures that a user knows of a machine, each with the path of the value in the
 scenario: `stroke = "start.axis.max_position"`."""
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -15,6 +16,7 @@ from ...errors import UserError, choose
 from ...interface.block_folder import block_file
 from ...interface.quantities import is_quantity
 from .reader import read_scenario_text
+from .toml_tables import writable
 
 FILE = "new.toml"
 FIGURES = "\n[figures]\n"
@@ -58,7 +60,7 @@ def new_scenario(block: str, given: Mapping[str, str | float], file: Path) -> st
     for name, value in given.items():
         path = choose(paths, name, f"figure of {block}")
         match = _find(text, path)
-        literal = _literal(name, value)
+        literal = _literal(name, value, is_count=match["value"].isdigit())
         padding = " " * max(1, len(match["value"] + match["space"]) - len(literal)) if match["comment"] else ""
         text = (
             text[: match.start("value")]
@@ -85,13 +87,17 @@ def _find(text: str, path: str) -> re.Match[str]:
     return match
 
 
-def _literal(name: str, value: str | float) -> str:
-    """A figure as TOML writes it."""
-    text = str(value).strip()
+def _literal(name: str, value: str | float, *, is_count: bool) -> str:
+    """A figure as TOML writes it; `is_count`: a whole number."""
+    text, option = str(writable(value)).strip(), f"--{name.replace('_', '-')}"
+    if is_count:
+        try:
+            return str(int(text))
+        except ValueError:
+            raise UserError(f"{option} {text}: it must be a whole number, as in: {option} 2") from None
     try:
         return repr(float(text))
     except ValueError:
-        if is_quantity(text) and '"' not in text and "\\" not in text:
-            return f'"{text}"'
-    option = f"--{name.replace('_', '-')}"
+        if is_quantity(text):
+            return json.dumps(text, ensure_ascii=False)
     raise UserError(f'{option} {text}: it must be a number, or one with a unit, as in: {option} "40 m/min"')

@@ -110,7 +110,7 @@ def read_scenario(
         step_size=step_size,
         scan=step_size,
         tolerance=TOP.value(top, "tolerance"),
-        start=with_encoder(start, encoder) if encoder else start,
+        start=with_encoder(start, encoder, reader.recipe.variables) if encoder else start,
         master=script,
         encoder=encoder,
         remote=reader.remote(script, start, settings) if reader.axis else None,

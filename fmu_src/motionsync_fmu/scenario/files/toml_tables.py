@@ -105,6 +105,11 @@ def to_float(value: float) -> float:
         return math.inf
 
 
+def writable(value: Any) -> Any:
+    """The value; infinite for an integer that Python does not write, since it is too long."""
+    return math.inf if isinstance(value, int) and abs(value) >= LONGEST else value
+
+
 @dataclass(frozen=True)
 class _Source:
     """A file, its text, and the line of each table and key in it."""

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
-from ...interface.variables import Variable
+from ...interface.variables import GREATEST_INTEGER, LEAST_INTEGER, Variable
 from .toml_tables import TomlTable, to_float
-
-INTEGERS = range(-(2**31), 2**31)
 
 
 @dataclass(frozen=True)
@@ -84,8 +82,7 @@ class VariableTable:
         members = {member.name: member.value for member in v.choices}
         value = members.get(value, value) if isinstance(value, str) else value
         if not is_of_kind(v, value):
-            allowed = f": it must be {v.allowed_range}" if v.choices else ""
-            self.table.fail(location, f"{value!r} is no {v.kind}{allowed}")
+            self.table.fail(location, f"{value!r} is no {v.kind}: it must be {v.allowed_values}")
         value = to_float(value) if v.kind == "Real" else value
         if refusal := self.refusal(v, value):
             self.table.fail(location, refusal)
@@ -145,4 +142,6 @@ def is_of_kind(v: Variable, value: Any) -> bool:
     An Integer has 32 bits, as FMI's has."""
     if v.kind == "Boolean" or isinstance(value, bool):
         return v.kind == "Boolean" and isinstance(value, bool)
-    return isinstance(value, int | float) if v.kind == "Real" else isinstance(value, int) and value in INTEGERS
+    if v.kind == "Real":
+        return isinstance(value, int | float)
+    return isinstance(value, int) and LEAST_INTEGER <= value <= GREATEST_INTEGER
