@@ -174,6 +174,11 @@ def test_a_universal_file_holds_its_parts() -> None:
     assert list(slices(universal(*thin))) == thin
 
 
+def test_an_fmu_is_as_small_as_the_readme_says(block_native: Path) -> None:
+    (most,) = re.findall(r"in one FMU below (\d+) kB", (ROOT / "README.md").read_text("utf-8"))
+    assert block_native.stat().st_size < 1000 * int(most)
+
+
 def test_the_fmu_is_small_and_says_what_it_holds(block: str, block_native: Path, folder: Path) -> None:
     assert block_native.stat().st_size <= LARGEST
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
