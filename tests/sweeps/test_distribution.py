@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from motionsync_fmu.sweeps.distribution import SHARES, Distribution, find_distribution
+from motionsync_fmu.sweeps.summary import Summary
 
 Reals = NDArray[np.float64]
 ERRORS, TOLERANCE = "true_length_errors", 0.1
@@ -116,6 +117,20 @@ def test_equal_errors_and_a_single_run_have_no_interval() -> None:
     assert text["capability"]["c_pk"] == pytest.approx((0.1 - 0.07 / 3.0) / (3.0 * math.sqrt(7.0 / 3.0) * 0.01))
     assert math.isnan(equal.high)
     assert pooled([[0.02]]).as_json()["sigma"] is None
+
+
+@pytest.mark.parametrize("bits", [1, 7, 100])
+@pytest.mark.parametrize(
+    ("mean", "c_pk"), [(0.0, math.inf), (0.9 * TOLERANCE, math.inf), (-1.1 * TOLERANCE, -math.inf)]
+)
+def test_errors_that_differ_by_rounding_have_no_capability(bits: int, mean: float, c_pk: float) -> None:
+    """They come from positions of about 1000, whose last bit is 1.1e-13."""
+    runs = [[mean + bits * 1.1e-13 * sign for sign in (0.0, 1.0, -1.0)] for _ in range(4)]
+    capability = pooled(runs).capability
+    assert capability
+    assert (capability.c_pk, capability.interval) == (c_pk, "")
+    lines = list(Summary(true_length_errors=pooled(runs)).true_length_lines("mm"))
+    assert not any("C_pk" in line for line in lines)
 
 
 def test_one_normal_error_a_run_has_the_interval_of_bissell() -> None:
