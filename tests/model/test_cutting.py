@@ -329,5 +329,6 @@ def test_the_reason_why_there_is_no_length_is_shown(
     assert line["local.no_length"] == (NoLength.NONE if has_length else NoLength.TOO_SHORT)
     line.step(1e-3, length=300.0, order__clear=True)
     assert (line["local.no_length"], line["warning.no_length"]) == (NoLength.NONE, False)
-    line.step(1e-3, stop=True, length=length).run(5.0)
+    line.step(1e-3, stop=True).run(20.0, 0.1)
+    line.step(1e-3, length=length)
     assert (line["running"], line["local.no_length"]) == (False, NoLength.NONE)
