@@ -92,6 +92,12 @@ def test_a_cubic_curve_is_a_single_stroke_and_a_straight_line_has_no_curve() -> 
     assert smooth_path(x, 7.0 - 2.0 * x).vertices.tolist() == [[0.0, 7.0], [1.0, 5.0]]
 
 
+@given(st.floats(-1e6, 1e6).filter(lambda x: abs(x) > 1e-3), st.integers(0, 99))
+def test_a_value_that_is_constant_to_rounding_is_a_straight_line(value: float, seed: int) -> None:
+    noise = np.random.default_rng(seed).uniform(-4e-16, 4e-16, 501)
+    assert len(smooth_path(np.linspace(0.0, 1.0, 501), value * (1.0 + noise)).vertices) == 2
+
+
 @given(first=st.integers(1, 200), missing=st.integers(1, 100))
 def test_a_gap_is_not_drawn(first: int, missing: int) -> None:
     x = np.linspace(0.0, 1.0, 401)
@@ -110,7 +116,7 @@ def test_the_velocities_of_a_block_s_picture_are_those_of_its_run_with_other_ste
     velocity = panel.curves[-1].values
     for at, y, _ in drawn(smooth_path(panel.time, velocity)):
         expected = np.interp(at, other.time, other.values["slave.velocity"])
-        assert np.abs(y - expected).max() < FAR * np.ptp(velocity)
+        assert np.abs(y - expected).max() <= FAR * np.ptp(velocity)
 
 
 @pytest.mark.parametrize(("name", "start"), [("CutToLength", 0.3), ("RotaryKnife", 0.45)])

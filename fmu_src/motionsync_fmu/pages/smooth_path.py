@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.path import Path
 
+from ..scenario.engineering import ROUNDING
 from ..scenario.recording import Reals
 from .numbers import Indices
 
@@ -18,7 +19,7 @@ def smooth_path(x: Reals, y: Reals) -> Path:
     """The line through samples, shape (samples,); NaN in `y` is a gap. `x` increases from sample to sample."""
     vertices: list[tuple[float, float]] = []
     codes: list[np.uint8] = []
-    tolerance = TOLERANCE * float(np.nanmax(y) - np.nanmin(y))
+    tolerance = TOLERANCE * float(np.nanmax(y) - np.nanmin(y)) + ROUNDING * float(np.nanmax(np.abs(y)))
     stepped = steps(y)
     present = np.isfinite(y)
     begins = np.flatnonzero(present & ~np.concatenate(([False], present[:-1])))
@@ -41,7 +42,8 @@ def steps(y: Reals) -> Indices:
     """The indices of the samples to which a curve steps: by far more than it changes before and after."""
     difference = np.abs(np.diff(y))
     around = np.fmax(np.concatenate(([0.0], difference[:-1])), np.concatenate((difference[1:], [0.0])))
-    return np.flatnonzero((difference > FAR * around) & (difference > STEP * np.nanmax(y) - STEP * np.nanmin(y))) + 1
+    least = STEP * float(np.nanmax(y) - np.nanmin(y)) + ROUNDING * float(np.nanmax(np.abs(y)))
+    return np.flatnonzero((difference > FAR * around) & (difference > least)) + 1
 
 
 def _pieces(x: Reals, y: Reals, tolerance: float) -> Iterator[list[tuple[float, float]]]:
