@@ -2,6 +2,7 @@
 
 import csv
 import math
+import os
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,9 +55,11 @@ def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dt
     """
     file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
     options = file.with_suffix(".opt")
-    if not file.exists():
+    if not os.path.lexists(file):
         return None
     try:
+        if missing := next((each for each in (file, options) if not each.is_file()), None):  # a link to nothing, a pipe
+            raise OSError(f"{missing.name} is no file")
         with file.open(newline="") as lines:
             header, *rows = list(csv.reader(lines))
         settings = dict(line.split(",") for line in options.read_text().splitlines() if line.strip())
@@ -64,7 +67,7 @@ def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dt
         table = np.array(rows, float)
         if why := _find_mistake(header, table, tolerance):
             raise ValueError(why)
-    except (OSError, ValueError, KeyError, IndexError) as error:
+    except (OSError, ValueError, KeyError, csv.Error) as error:
         raise UserError(f"{file}: not a reference: {error}") from None
     return header[1:], table, tolerance
 
