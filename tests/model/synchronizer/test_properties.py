@@ -179,8 +179,8 @@ def test_against_the_sign_nothing_ramps_at_any_communication_point(
     hit: int,
 ) -> None:
     """The master goes against the sign, from speed to speed or (its position alone) at one speed. All numbers are
-    dyadic, so that a communication point is exactly where the ramp would begin: D before the rest position, of a polynomial's
-    start 7/8 D. The slave stays at rest, or is the master."""
+    dyadic, so that a communication point is exactly where the ramp would begin: D before the rest position, of a
+    polynomial's start 7/8 D. The slave stays at rest, or is the master."""
     before = size * 7 / 8 if starting and curve == POLYNOMIAL else size
     pairs = list(pairwise(speeds if mode != ONLY else speeds[:1] * len(speeds)))
     motions = [(-sign * first, -sign * (second - first) / h) for first, second in pairs]

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -59,15 +60,17 @@ def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dt
         UserError: a reference that cannot be read or names an unknown variable.
     """
     file = reference_file(scenario)
-    if not file.exists():
+    if not os.path.lexists(file):
         return None
     try:
+        if not file.is_file():  # a link to nothing, a pipe
+            raise OSError("it is no file")
         with file.open(newline="") as lines:
             header, *rows = list(csv.reader(lines))
         table = np.array(rows, float)
         if why := _find_mistake(header, table):
             raise ValueError(why)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise UserError(f"{file}: not a reference: {error}") from None
     return header[1:], table
 
