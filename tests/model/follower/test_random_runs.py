@@ -1,5 +1,5 @@
-"""The Follower on random machines is its oracle: linear slaves and cyclic ones, fixed and variable cycles, with values of
-sync_master that come in time, late, or too soon."""
+"""The Follower on random machines is its oracle: linear slaves and cyclic ones, fixed and variable cycles, with values
+of sync_master that come in time, late, or too soon."""
 
 from collections import defaultdict
 from collections.abc import Callable
