@@ -14,7 +14,7 @@ from time import perf_counter
 
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import evaluate_run
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 
 SECONDS, MEGABYTES = 10.0, 200.0  # the targets

@@ -54,7 +54,7 @@ TOOL = {
     "native": {"compiler", "interface"},
     "compiler": {"interface"},
     "scenario.files": {"interface", "scenario"},
-    "scenario.evaluate": {"interface", *RUN},
+    "scenario.evaluate": {"interface", "scenario.files", *RUN},
     "scenario.run": {"interface", "scenario"},
     "scenario": {"interface"},
     "python": {"interface"},

@@ -26,8 +26,8 @@ MADE = ("build/site/README.md", "build/native/Gearing.fmu", "build/explore/Geari
 def test_the_top_level_has_these_files_and_folders() -> None:
     """Beside what tools make, which is ignored."""
     ignored = {line.strip("/*") for line in (ROOT / ".gitignore").read_text("utf-8").splitlines()} - {"build"}
-    found = {path.name for path in ROOT.iterdir()} - ignored - {".git", "build"}
-    assert found == (FOLDERS - {"build"}) | FILES
+    names = {path.name for path in ROOT.iterdir()} - ignored - {".git", "build"}
+    assert names == (FOLDERS - {"build"}) | FILES
     assert (ROOT / "build" / "README.md").is_file()
 
 

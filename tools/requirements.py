@@ -1,7 +1,7 @@
 """What an installation of the project needs, as pyproject.toml and the installed packages say."""
 
 import tomllib
-from importlib.metadata import PackageNotFoundError, requires
+from importlib.metadata import requires
 from itertools import chain
 from pathlib import Path
 
@@ -22,18 +22,18 @@ def required(extra: str) -> list[Requirement]:
 def distributions_of(*extras: str) -> set[str]:
     """The canonical names of the distributions that an installation with these extras has, those that others need
     included, as far as they are installed here."""
-    found = set()
+    names: set[str] = set()
     seen = set()
     left = [requirement for extra in ("", *extras) for requirement in required(extra)]
     while left:
         requirement = left.pop()
         try:
             needed = map(Requirement, requires(requirement.name) or [])
-        except PackageNotFoundError:  # not for this platform, or of an extra that is not installed
+        except ModuleNotFoundError:  # not for this platform, or of an extra that is not installed
             continue
-        found.add(canonicalize_name(requirement.name))
+        names.add(canonicalize_name(requirement.name))
         if str(requirement) not in seen:
             asked = [{"extra": each} for each in ("", *requirement.extras)]
             left += [r for r in needed if not r.marker or any(r.marker.evaluate(given) for given in asked)]
         seen.add(str(requirement))
-    return found
+    return names

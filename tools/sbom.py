@@ -57,7 +57,7 @@ def make_sbom(time: int) -> str:
 def installed(name: str, is_required: bool) -> Component:
     """An installed package of Python."""
     about = metadata(name)
-    version, expression = about["Version"], about.get("License-Expression")
+    version, expression = about["Version"], str(about.json.get("license_expression", ""))
     return Component(
         name=name,
         version=version,

@@ -5,7 +5,8 @@ path. It fails if the run is not as expected, or not like the reference beside t
 in each of its runs, so that everything else is imported when a scenario runs.
 """
 
-from collections.abc import Iterable
+import os
+from collections.abc import Generator, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,21 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "ScenarioF
         return None
     file: ScenarioFile = ScenarioFile.from_parent(parent, path=file_path)
     return file
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    """What a folder has, and with it a scenario that is no file, as a link that leads nowhere: pytest leaves it out."""
+    report = yield
+    file = collector.path / SCENARIO_FILE
+    if (
+        isinstance(collector, pytest.Directory)
+        and collector.config.getoption("--motionsync")
+        and os.path.lexists(file)
+        and not file.is_file()
+    ):
+        report.result.append(ScenarioFile.from_parent(collector, path=file))
+    return report
 
 
 class ScenarioFile(pytest.File):
@@ -90,5 +106,5 @@ class NotAsExpectedError(Exception):
             lines += [f"  expected: {check.expected}", f"  found:    {check.actual}"]
         lines += [f"  reference: {deviation.text}" for deviation in outcome.reference if not deviation.passed]
         lines += [f"  note: {note}" for note in outcome.notes]
-        lines += [f"  the FMU logged: {message}" for message in outcome.messages[:MOST_MESSAGES]]
+        lines += [f"  the FMU logged {message}" for message in outcome.messages[:MOST_MESSAGES]]
         super().__init__("\n".join(lines))

@@ -63,15 +63,17 @@ class Role(Enum):
     The first five belong to a block that works in cycles of its own, on telegrams from a controller with another clock.
     A tool makes the telegrams from the motion of an axis, and evaluates the block's outputs. The part with the
     CYCLE_INDEX is the remote axis: it also has `position`, `velocity` and `acceleration`. The next ones are the limits
-    of the slave's axis, with which a tool compares the slave's motion.
+    of the slave's axis, with which a tool compares the slave's motion; EXCEEDED_LIMIT and LIMIT_EXCEEDED are what the
+    block itself says of it.
 
     The last ones belong to a block that records the pieces which it cuts off the master's material. The part with
-    PIECES counts: it also has `skipped` and `late`. That of LAST_LENGTH describes the piece: it also has
-    `error`, `kind` (an enumeration with the members PRODUCT and MERGED), `good`, `time` and `reserve`. That of
-    MAX_MASTER_VELOCITY also has the `reserve` at the present velocity. A tool measures each piece once more, from the
-    positions of slave and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and
-    LENGTH_CORRECTION. A tool that turns has a CUT_SPACING and an EDGE_RADIUS: with the angle 0 at a cut, its edge is at
-    the sine of the angle along the material.
+    PIECES counts: it also has `skipped` and `late`. That of ORDERS also has `remaining` and `repeat`. That of
+    LAST_LENGTH describes the piece: it also has `error`, `kind` (an enumeration with the members PRODUCT and
+    MERGED), `good`, `time` and `reserve`. That of MAX_MASTER_VELOCITY also has the `reserve` at the present
+    velocity. A tool measures each piece once more, from the positions of slave and master while CUTTING: it is as
+    long as the material's travel between two cuts, less KERF and LENGTH_CORRECTION. A tool that turns has a
+    CUT_SPACING and an EDGE_RADIUS: with the angle 0 at a cut, its edge is at the sine of the angle along the
+    material.
     """
 
     TASK_CYCLE = "the length of the block's own cycles, s"
@@ -85,6 +87,12 @@ class Role(Enum):
     MAX_ACCELERATION = "the greatest acceleration of the slave's axis; 0: no limit"
     MAX_DECELERATION = "the greatest deceleration of the slave's axis; 0: as its greatest acceleration"
     MAX_JERK = "the greatest jerk of the slave's axis; 0: no limit"
+    PEAK_VELOCITY = "the greatest speed of the slave in the present cycle at the present velocity of the master"
+    PEAK_ACCELERATION = "the greatest acceleration of the slave in this cycle"
+    PEAK_JERK = "the greatest jerk of the slave in this cycle"
+    EXCEEDED_LIMIT = "which limit of its axis the setpoint exceeds, a plain Integer with codes; 0: none"
+    LIMIT_EXCEEDED = "whether the setpoint exceeds a limit of its axis"
+    ORDERS = "how many orders are left, the active one included"
     PIECES = "how many pieces have been cut off; where it rises, LAST_LENGTH is the length of one"
     LAST_LENGTH = "the length of the piece that was cut off last"
     RUNNING = "whether pieces are cut; the first one after a start is not measured from the cut before"
@@ -347,16 +355,19 @@ def part(
     kind: Callable[[], T],
     depends: Mapping[str, tuple[str, ...]] | None = None,
     *,
+    periods: Mapping[str, str] | None = None,
     hidden: bool = False,
     slave_unit: bool = False,
 ) -> T:
     """An object that is made once with the block, and holds a part of its variables and state.
 
     `depends`: what the outputs and locals in the part depend on after initialization, by their names in the part.
+    `periods`: of the positions in the part that wrap, the parameters that hold their periods (0: such a one does not).
     `hidden`: the part's declared fields are not variables of the block; it stores values that such variables had.
     `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """
-    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
+    metadata = {"depends": depends or {}, "periods": periods or {}, "hidden": hidden, "slave_unit": slave_unit}
+    return field(default_factory=kind, metadata=metadata)
 
 
 def ring(length: int) -> list[float]:

@@ -158,3 +158,18 @@ def test_scenarios_are_listed_by_the_names_that_run_takes() -> None:
     assert set(names) < set(scenarios())
     with pytest.raises(UserError, match="no block is named 'Saw'"):
         scenarios("Saw")
+
+
+@pytest.mark.parametrize(("at", "step_size", "time"), [(0.5, 0.01, "0.51"), (1.25, 0.05, "1.3"), (0.333, 0.1, "0.4")])
+def test_a_message_of_the_fmu_has_the_time_at_which_its_step_ended(at: float, step_size: float, time: str) -> None:
+    """The denominator of 0 is refused in the step that begins with it."""
+    gear = {
+        "title": "A gear that cannot be engaged",
+        "fmu": "Gearing",
+        "stop_time": 2.0,
+        "step_size": step_size,
+        "master": {"velocity": 100.0},
+        "set": [{"at": at, "start": True, "gearing.denominator": 0}],
+    }
+    (message,) = run(gear).messages
+    assert message.startswith(f"at {time} s: refused: gearing.denominator = 0")

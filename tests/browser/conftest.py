@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import evaluate_run
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from tests.browser.runs import run
 from tests.browser.visit import Visit, choose
 from tests.support.explored import explored, opens_with

@@ -41,7 +41,6 @@ def quick(monkeypatch: pytest.MonkeyPatch, fmus: Fmus) -> None:
     monkeypatch.setattr("motionsync_fmu.api.build.start_build", build_quickly)
     monkeypatch.setattr("motionsync_fmu.api.explore.prepare_fmus", lambda *_: [Path()])
     monkeypatch.setattr("motionsync_fmu.api.explore.write_page", write_nothing)
-    monkeypatch.setattr("motionsync_fmu.api.export_crosscheck.export", lambda scenario, folder, notify: [folder])
     monkeypatch.setattr("webbrowser.open", lambda address: True)
 
 

@@ -88,6 +88,59 @@ def test_an_interruption_that_python_drops_comes_again() -> None:
     assert (done.returncode, done.stderr) == (130, "motionsync: interrupted\n")
 
 
+IN_AN_IMPORT = """\
+import importlib, os, signal, sys, time
+from motionsync_fmu import cli
+from motionsync_fmu.commands import app
+
+def run_command():
+    importlib.import_module("fragile")
+    end = time.monotonic() + 10.0
+    while time.monotonic() < end:
+        time.sleep(0.01)
+    return 0
+
+app.run_command = run_command
+cli.main()
+"""
+FRAGILE = {
+    "another error": "raise ImportError('initialization failed') from None",
+    "an error of the interpreter": "raise SystemError('initialization of fragile failed') from None",
+    "an exit": "raise SystemExit(3) from None",
+    "nothing": "pass",
+}
+
+
+@pytest.mark.parametrize("answer", FRAGILE)
+@pytest.mark.parametrize("depth", [1, 3])
+@pytest.mark.parametrize("times", [1, 5])
+def test_an_interruption_of_an_import_is_one_message_whatever_the_import_makes_of_it(
+    tmp_path: Path, answer: str, depth: int, times: int
+) -> None:
+    """As a library in C may do while it is loaded: it raises another error, or drops the interruption."""
+    fragile = f"""\
+import os, signal, time
+for _ in range({times}):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.02)
+    except KeyboardInterrupt:
+        {FRAGILE[answer]}
+"""
+    for i in range(1, depth):
+        (tmp_path / f"{'fragile' if i == 1 else f'outer{i}'}.py").write_text(f"import outer{i + 1}\n")
+    (tmp_path / f"{'fragile' if depth == 1 else f'outer{depth}'}.py").write_text(fragile)
+    done = subprocess.run(
+        [sys.executable, "-c", LISTEN + IN_AN_IMPORT],
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (130, "motionsync: interrupted\n")
+
+
 @pytest.mark.parametrize("instant", [0.0, 0.4])
 def test_an_interruption_of_the_fmu_s_run_is_one_message(built: Path, tmp_path: Path, instant: float) -> None:
     """However long the start takes: the FMU's files are there, and so the run is about to start or goes on."""

@@ -1,5 +1,6 @@
 """`pytest --motionsync`: scenarios as tests in a user's own project."""
 
+import os
 import shutil
 import sys
 from importlib.metadata import entry_points
@@ -51,6 +52,25 @@ def test_each_scenario_is_a_test_with_a_readable_failure(project: pytest.Pyteste
     assert "pytest_plugin.py" not in output
     assert Path("results/Synchronizer/late/report.html").is_file()
     assert Path("results/Synchronizer/good/Synchronizer_out.csv").is_file()
+
+
+@pytest.mark.parametrize("kind", ["a link to nothing", "a link to itself", "a folder", "a pipe"])
+def test_a_scenario_that_is_no_file_fails(project: pytest.Pytester, kind: str) -> None:
+    file = Path("scenarios/gone/scenario.toml")
+    file.parent.mkdir()
+    if kind == "a folder":
+        file.mkdir()
+    elif kind == "a pipe":
+        os.mkfifo(file)
+    else:
+        file.symlink_to(file.name if kind == "a link to itself" else "nothing.toml")
+    shutil.rmtree("scenarios/late")
+    shutil.rmtree("scenarios/wrong")
+    for folder in ("scenarios", "scenarios/gone"):
+        result = project.runpytest_subprocess(*PLUGIN, "-p", "no:cacheprovider", "--motionsync", folder)
+        result.assert_outcomes(passed=2 if folder == "scenarios" else 0, failed=1)
+        result.stdout.fnmatch_lines(["*scenario gone*", "*scenarios/gone/scenario.toml*: no*"])
+        assert "Traceback" not in result.stdout.str()
 
 
 def test_without_the_option_no_scenario_is_a_test_and_nothing_is_loaded(project: pytest.Pytester) -> None:

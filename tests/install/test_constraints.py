@@ -21,11 +21,11 @@ def test_each_line_is_a_name_and_a_version() -> None:
 
 def test_all_that_is_installed_for_tests_is_pinned_within_the_requirements() -> None:
     """Here, that is: the markers decide for each platform and Python."""
-    here = {canonicalize_name(r.name): r for r in PINS if not r.marker or Marker(str(r.marker)).evaluate()}
-    assert distributions_of("test") <= here.keys()
+    pinned = {canonicalize_name(r.name): r for r in PINS if not r.marker or Marker(str(r.marker)).evaluate()}
+    assert distributions_of("test") <= pinned.keys()
     for requirement in [*required(""), *required("test")]:
         if not requirement.marker or requirement.marker.evaluate():
-            (pin,) = here[canonicalize_name(requirement.name)].specifier
+            (pin,) = pinned[canonicalize_name(requirement.name)].specifier
             assert requirement.specifier.contains(pin.version), f"{requirement}, but {pin}"
 
 

@@ -15,7 +15,7 @@ from tests.support.extras import dry_run
 HELP = re.findall(r"^([a-z]+):.*## ", (ROOT / "Makefile").read_text("utf-8"), re.M)
 ELSEWHERE = {"docs", "release"}  # tests/site and tests/release make these with their extras alone
 SHORT = {"build": ["Synchronizer"], "line": ["line/line_synchronizer.toml"]}  # arguments that make a target quicker
-KEPT = {"motionsync_fmu.pages.pictures", "tools.shortest_length_picture", "tools.measured_line_pictures"}
+IN_DOCS = {"motionsync_fmu.pages.pictures", "tools.shortest_length_picture", "tools.measured_line_pictures"}
 
 
 def targets_with_few_packages() -> list[str]:
@@ -37,7 +37,7 @@ def test_a_target_needs_no_more_than_its_extras(target: str, tmp_path: Path) -> 
     for command in commands:
         words = command.replace("motionsync ", "-m motionsync_fmu.cli ", 1).removeprefix("python ").split()[1:]
         module, *arguments = words
-        if module in KEPT:
+        if module in IN_DOCS:
             assert arguments == ["docs"]
             arguments = [str(shutil.copytree(ROOT / "docs", tmp_path / "docs", dirs_exist_ok=True))]
         else:

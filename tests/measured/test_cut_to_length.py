@@ -94,8 +94,8 @@ def test_only_the_jerk_may_exceed_its_limit(
         assert not result.measures[name].any(), name
     allowed = {"velocity": 2000.0 * (1.0 + 1e-9), "acceleration": 1e4 * (1.0 + 1e-9), "jerk": 1e5 * most}
     for name, greatest in allowed.items():
-        found = np.maximum(result.measures[f"slave.{name}.max"], -result.measures[f"slave.{name}.min"])
-        assert found.max() <= greatest, name
+        reached = np.maximum(result.measures[f"slave.{name}.max"], -result.measures[f"slave.{name}.min"])
+        assert reached.max() <= greatest, name
 
 
 def test_true_lengths_vary_by_at_most_twice_the_sigma_of_the_path() -> None:

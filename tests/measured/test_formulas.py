@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.batch.simulation import simulate_many
 from tests import ROOT
-from tests.measured.lines import MEASURED, Reals
+from tests.measured.lines import MEASURED, Reals, noisy
 
 PAGE = (ROOT / "docs" / "how_to" / "measured_line.md").read_text("utf-8")
 PATH = [f"master.smoothed_{name}" for name in ("position", "velocity", "acceleration")]
@@ -67,8 +67,8 @@ def ramp_errors(tau: float, h: float, delays: Reals, acceleration: float, at: fl
     def line(time: Reals) -> Reals:
         return np.asarray(300.0 * time + 0.5 * acceleration * np.clip(time - at, 0.0, None) ** 2)
 
-    found = path(line(t - delays[:, None]), h, tau, 300.0, delays)[:, :, 0]
-    error = found - line(t + h)
+    smoothed = path(line(t - delays[:, None]), h, tau, 300.0, delays)[:, :, 0]
+    error = smoothed - line(t + h)
     first = int(at / h)
     return np.asarray((error - error[:, first - 1 : first])[:, first:])
 
@@ -139,10 +139,10 @@ def rounding_left(counts: Reals, q: float, h: float, tau: float, delay: float) -
     velocity = counts * q / h
     settled = round(20.0 * tau / h)
     line = (counts * q)[:, None] * np.arange(settled + 4000) + 0.37 * q
-    found = path(np.round(line / q) * q, h, tau, velocity, delay)
-    errors = found[:, settled:, 0] - (line + (counts * q)[:, None])[:, settled:]
-    accelerations = found[:, settled:, 2]
-    sigmas = [errors.std(axis=1), found[:, settled:, 1].std(axis=1), accelerations.std(axis=1)]
+    smoothed = path(np.round(line / q) * q, h, tau, velocity, delay)
+    errors = smoothed[:, settled:, 0] - (line + (counts * q)[:, None])[:, settled:]
+    accelerations = smoothed[:, settled:, 2]
+    sigmas = [errors.std(axis=1), smoothed[:, settled:, 1].std(axis=1), accelerations.std(axis=1)]
     return np.array([*sigmas, np.abs(accelerations).max(axis=1)])
 
 
@@ -178,3 +178,21 @@ def test_the_table_of_resolutions_has_the_figures_of_its_formulas() -> None:
         assert formula == f"({first} + {second} d/τ) q" + ["", " / τ", " / τ²"][power]
         for tau, figure in zip((0.01, 0.02, 0.04), figures, strict=True):
             assert figure == pytest.approx(first * 0.1 / tau**power, rel=0.03)
+
+
+@pytest.mark.parametrize("delay_share", [0.0, 0.4, 1.0, 3.0])
+@pytest.mark.parametrize("share", [0.0125, 0.05, 0.3])
+@pytest.mark.parametrize("tau", SMOOTHING_TIMES)
+def test_the_uncertain_travel_is_enough(tau: float, share: float, delay_share: float) -> None:
+    """For a line of 300 mm/s that stops at once, which needs about half of it, and for noise on a line at rest, at the
+    highest speed that the noise itself has made."""
+    h, delay = share * tau, delay_share * tau
+    t = np.arange(round((1.0 + 40.0 * tau + delay) / h)) * h
+    for line, velocity, most in (
+        (np.minimum(300.0 * (t - delay), 150.0)[None], 300.0, 0.55),
+        (noisy(np.zeros(10_000), 0.05, 20), 0.0, 0.9),
+    ):
+        position, speed, _ = np.moveaxis(path(line, h, tau, velocity, delay), 2, 0)[:, :, 10:]
+        back = np.maximum.accumulate(position, axis=1) - position
+        travel = 3.0 * np.maximum.accumulate(np.abs(speed), axis=1) * (tau + delay + h)
+        assert (back < most * travel).all()

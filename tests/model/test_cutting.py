@@ -130,8 +130,8 @@ def test_a_cut_now_before_the_front_end_is_refused(machine: str) -> None:
     line.step(0.1, cut_now=False).run(4.9)
     line.step(0.1, cut_now=True)
     assert line["error_id"] == PieceFault.NONE
-    ((length, is_good),) = line.run(1.0)
-    assert (0.0 < length < 1000.0, is_good) == (True, False)
+    ((length, is_accepted),) = line.run(1.0)
+    assert (0.0 < length < 1000.0, is_accepted) == (True, False)
 
 
 # --- calibration ------------------------------------------------------------------------------------------------------

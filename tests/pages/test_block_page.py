@@ -16,11 +16,11 @@ from motionsync_fmu.pages.block_page import FmuContents, make_pages
 from motionsync_fmu.pages.pictures import draw_example, draw_icon, make_panels
 from motionsync_fmu.pages.readme import read_readme, render_readme
 from motionsync_fmu.pages.state_diagram import draw_diagram, read_diagram
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
+from tests.support.verdicts import checks_of
 
 MARKS = "marks on the master"
 ENDS = "ends of the pieces"
@@ -123,7 +123,7 @@ def test_a_state_diagram_is_drawn_with_a_table_of_its_transitions() -> None:
 
 def test_the_example_does_what_its_block_s_readme_states(block: str) -> None:
     example = load_example(block)
-    checks = check_expectations(example, run_in_process(example, example.step_size))
+    checks = checks_of(example, run_in_process(example, example.step_size))
     assert checks
     assert not [c for c in checks if not c.passed]
 

@@ -9,12 +9,12 @@ import pytest
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.cutting import CutSpec
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
 from tests.support.scenario_texts import VALID
+from tests.support.verdicts import checks_of
 
 CUTS = """
 [cuts]
@@ -121,7 +121,7 @@ def test_cuts_are_expectations(cuts: str, expected: list[tuple[str, bool]], fmu:
     linear = VALID.replace('"master.period" = 360.0\n', "")
     file.write_text(f'{linear}[cuts]\nwhile = "syn_synchronized"\n{cuts}\n')
     scenario = load_scenario(file)
-    result = check_expectations(scenario, simulate(scenario, fmu, 0.01))[len(scenario.expectations) :]
+    result = checks_of(scenario, simulate(scenario, fmu, 0.01))[len(scenario.expectations) :]
     for c, (beginning, passed) in zip(result, expected, strict=True):
         assert c.actual.startswith(beginning)
         assert c.passed == passed
@@ -134,5 +134,5 @@ def test_no_cut_at_all_breaks_a_tolerance() -> None:
         expectations=(),
         settings=(),
     )
-    (check,) = check_expectations(replace(scenario, cuts=CutSpec("in_sync", 20.0, 0.0, 1.0, 1.0, None)), recording)
+    (check,) = checks_of(replace(scenario, cuts=CutSpec("in_sync", 20.0, 0.0, 1.0, 1.0, None)), recording)
     assert (check.actual, check.passed) == ("no cut", False)

@@ -15,8 +15,9 @@ import pytest
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import evaluate_run, write_results
+from motionsync_fmu.pages.results import write_results
 from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording

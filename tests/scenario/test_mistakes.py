@@ -1,12 +1,17 @@
 """What the reader of scenario files reports of a file with a mistake."""
 
+import re
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.reader import load_scenario, read_scenario_text
 from motionsync_fmu.scenario.scenario import AtTime, When, Within
 from tests.support.scenario_texts import SEGMENTS, VALID
 
@@ -290,3 +295,68 @@ def test_a_file_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
             load_scenario(file)
         assert str(error.value).startswith(f"{file}: cannot be read: ")
     assert "utf-8" in str(error.value)
+
+
+# --- any text ---
+
+DEEP = st.builds(
+    lambda template, depth: template.format(dots=".".join("a" * depth), opened="[" * depth, closed="]" * depth),
+    st.sampled_from(
+        ["[{dots}]", "{dots} = 1", "[[{dots}]]", "a = {opened}{closed}", "a = {opened}", "[start]\n{dots} = 1"]
+    ),
+    st.sampled_from([2, 90, 110, 990, 20_000]),
+)
+PLACES = re.compile(r"(?<== )[^\n]+")
+LITERALS = st.sampled_from(
+    ["1979-05-27", "07:32:00", "[1, [2]]", "{ a = 1 }", "[{}]", "''", "nan", "[]", "true", "-1", "'1 mm'"]
+)
+
+
+@given(DEEP | st.text(max_size=40), st.integers(0, len(VALID)))
+@settings(deadline=None)
+def test_a_text_in_a_file_is_read_or_refused(inserted: str, at: int) -> None:
+    """Also one that nests tables and lists as deep as the recursion of Python goes, and deeper."""
+    line = VALID.rfind("\n", 0, at) + 1
+    with suppress(UserError):
+        read_scenario_text(f"{VALID[:line]}{inserted}\n{VALID[line:]}", Path("scenario.toml"))
+
+
+@given(st.data(), LITERALS)
+@settings(deadline=None)
+def test_a_value_of_another_kind_is_read_or_refused(data: st.DataObject, literal: str) -> None:
+    place = data.draw(st.sampled_from(list(PLACES.finditer(VALID))))
+    with suppress(UserError):
+        read_scenario_text(VALID[: place.start()] + literal + VALID[place.end() :], Path("scenario.toml"))
+
+
+MANY = {
+    "segments": ("[master]\nsegments = [", '{{ duration = "10 us", velocity = 3.0 }},\n', "]"),
+    "settings": ("[master]\n", '[[set]]\nat = "{i}e-5 s"\nactive = true\n', ""),
+    "expectations": ("[master]\n", "[[expect]]\nat = {i}e-5\n'slave.position' = '1 mm'\n", ""),
+    "reactions": ("[master]\n", "[[on]]\nwhen = 'synchronized'\nafter = '1 ms'\nset = {{ active = true }}\n", ""),
+}
+
+
+@pytest.mark.parametrize("kind", MANY)
+def test_a_file_of_four_times_the_length_takes_four_times_the_work(kind: str) -> None:
+    """The work is how many functions are called. A file of a hundred thousand segments is read in seconds."""
+    head = 'title = "long"\nfmu = "Synchronizer"\nstop_time = 4.0\nstep_size = 0.01\n'
+    begin, each, end = MANY[kind]
+
+    def work(count: int) -> int:
+        text = head + begin + "".join(each.format(i=i + 1) for i in range(count)) + end
+        calls = 0
+
+        def called(*_: object) -> None:
+            nonlocal calls
+            calls += 1
+
+        sys.setprofile(called)
+        try:
+            read_scenario_text(text, Path("scenario.toml"))
+        finally:
+            sys.setprofile(None)
+        return calls
+
+    work(1)
+    assert work(400) < 4.5 * work(100)

@@ -17,17 +17,19 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.roles import piece_variables
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.summary import print_result, print_row
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.cutting_results import CuttingResults
 from motionsync_fmu.scenario.evaluate.find_pieces import Piece, find_pieces, rises
 from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
 from motionsync_fmu.scenario.evaluate.outcome import ScenarioOutcome
 from motionsync_fmu.scenario.evaluate.production import Production, evaluate_production
+from motionsync_fmu.scenario.evaluate.verdict import find_notes, gather
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
 from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
+from tests.support.verdicts import checks_of
 
 TEXT = """
 title = "t"
@@ -72,7 +74,11 @@ def production_of(s: Scenario, recording: Recording) -> Production:
 
 def verdicts(s: Scenario, recording: Recording) -> dict[str, tuple[str, bool]]:
     """What is found of each expectation."""
-    return {_key(c.expected): (c.actual, c.passed) for c in check_expectations(s, recording)}
+    return {_key(c.expected): (c.actual, c.passed) for c in checks_of(s, recording)}
+
+
+def notes_of(s: Scenario, recording: Recording) -> list[str]:
+    return find_notes(gather(s, recording, CuttingResults(s, recording), []))
 
 
 def _key(expected: str) -> str:
@@ -175,7 +181,7 @@ def test_pieces_that_are_reported_within_one_step_are_counted(tmp_path: Path) ->
     production = production_of(s, sparse)
     assert production.cuts == 3
     assert [p.number for p in production.pieces] == [1, 3]
-    assert production.notes[-1] == "1 piece not reported: the step is longer than it takes to make one"
+    assert notes_of(s, sparse)[-1] == "1 piece not reported: the step is longer than it takes to make one"
 
 
 def test_a_counter_that_begins_anew_goes_on_counting() -> None:
@@ -193,13 +199,13 @@ def test_what_was_made_is_reported_in_words(tmp_path: Path) -> None:
     assert production.made_text == "2 products, all good; also 1 sample, 1 merged"
     assert production.worst_text == "0 mm"
     assert (production.skipped, production.late, production.missed_text) == (1, 0, "1 skipped")
-    assert production.reserve_text == "20 % (piece 4)"
+    assert production.reserve_text == "at least 20 % (piece 4) of a cycle"
     assert production.short_text == "4 pieces, worst error 0 mm (2 products, 1 merged piece not included), 1 skipped"
     assert production.tolerance == 0.5  # the block's own
     assert production.line
     assert production.line_speed_text == "1000 mm/s (60 m/min)"
     assert production.line.limit_text == "nearest to its limit at 0.21 s: 1000 of 1250 mm/s"
-    assert production.notes == ["cuts that did not come on time: 1 skipped"]
+    assert notes_of(s, run(s)) == []
 
 
 def test_the_worst_product_is_reported_with_its_number(tmp_path: Path) -> None:
@@ -222,15 +228,14 @@ def test_a_line_that_is_too_fast_is_reported_and_a_note_where_cuts_were_missed(t
         "no cut was late"
     )
     too_late = "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-    for skipped, notes, comment in (([], 0, in_time), ([3], 1, too_late)):
-        production = production_of(s, run(s, limit=limit, skipped_with=skipped))
+    for skipped, comment in (([], in_time), ([3], too_late)):
+        recording = run(s, limit=limit, skipped_with=skipped)
+        production = production_of(s, recording)
         assert production.line_text == comment
         assert production.line
         assert production.line.beyond == pytest.approx(1.5)
         assert production.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-        assert len(production.notes) == notes
-    text = "the line was above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-    assert production.notes == [f"cuts that did not come on time: 1 skipped; {text}"]
+        assert notes_of(s, recording) == [f"the line was {comment}"]
 
 
 def test_without_a_piece_there_is_little_to_show(tmp_path: Path) -> None:
@@ -252,7 +257,6 @@ def test_the_outcome_shows_the_pieces(tmp_path: Path) -> None:
     error = outcome.as_json()["production"]
     assert [p["length"] for p in error["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
     assert (error["cuts"], error["skipped"], error["late"]) == (4, 1, 0)
-    assert "cuts that did not come on time: 1 skipped" in outcome.notes
 
 
 def test_the_console_shows_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -284,9 +288,10 @@ def test_pieces_are_evaluated_by_their_table(tmp_path: Path) -> None:
     result = verdicts(s, run(s))
     assert result["number of pieces"] == ("4", True)
     assert result["products as"] == ("at most 0 mm off", True)
-    assert result["cuts within"][1]
+    assert result["pieces as"][1]
+    assert result["the tool"][1]
     assert verdicts(scenario(tmp_path, "[cuts]\ncount = 5\n"), run(s))["number of pieces"] == ("4", False)
-    (skipped,) = check_expectations(scenario(tmp_path), run(s))
+    (skipped,) = (c for c in checks_of(scenario(tmp_path), run(s)) if "limit" not in c.expected)
     assert skipped.expected == "number of skipped cuts = 0"
 
 
@@ -301,7 +306,7 @@ def test_a_skipped_cut_is_not_as_expected_unless_the_scenario_says_so(tmp_path: 
     for table, number, passed in cases:
         s = scenario(tmp_path, table)
         assert verdicts(s, run(s))["number of skipped cuts"] == ("1", passed)
-        (check,) = (c for c in check_expectations(s, run(s)) if "skipped" in c.expected)
+        (check,) = (c for c in checks_of(s, run(s)) if "skipped" in c.expected)
         assert check.expected == f"number of skipped cuts = {number}"
     s = scenario(tmp_path, "[cuts]\n")
     assert verdicts(s, run(s, skipped_with=[]))["number of skipped cuts"] == ("0", True)
@@ -339,7 +344,7 @@ def test_records_that_do_not_agree_with_the_positions_are_found(tmp_path: Path) 
     saw = honest.values["slave.position"] - 0.2 * second
     result = verdicts(s, with_values(honest, slave__position=saw))
     assert result["products as"] == ("at most 0 mm off", True)
-    assert result["cuts within"] == ("at most 0.2 mm away", False)
+    assert result["pieces as"] == ("at most 0.2 mm off", False)
 
 
 def test_a_saw_that_does_not_stay_at_its_place_is_found(tmp_path: Path) -> None:
@@ -349,7 +354,7 @@ def test_a_saw_that_does_not_stay_at_its_place_is_found(tmp_path: Path) -> None:
     first = np.flatnonzero((honest.time < 2.2) & (honest.values["tool.cutting"] != 0.0))
     saw = honest.values["slave.position"].copy()
     saw[first] += np.linspace(-0.3, 0.3, len(first))
-    assert verdicts(s, with_values(honest, slave__position=saw))["cuts within"] == ("at most 0.3 mm away", False)
+    assert verdicts(s, with_values(honest, slave__position=saw))["the tool"] == ("0.3 mm", False)
 
 
 # --- the table ---
@@ -441,7 +446,7 @@ def test_the_block_shows_what_the_positions_say(step: float, tmp_path: Path) -> 
     piece was fixed before 2 s, at the end of the first cut at about 1.8 s."""
     s = scenario(tmp_path, text=REAL.format(step))
     recording = run_in_process(s, step)
-    assert all(c.passed for c in check_expectations(s, recording))
+    assert all(c.passed for c in checks_of(s, recording))
     result = find_pieces(s, recording)
     assert len(result) == 4
     pitches = np.diff([p.end for p in result])

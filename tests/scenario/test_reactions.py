@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.production_line.reader import load_line
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -25,6 +24,7 @@ from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
 from tests.support.scenario_texts import FREE_SAW, write_scenario
 from tests.support.stored_references import keep
+from tests.support.verdicts import checks_of
 
 MOVING = FREE_SAW + "velocity = 500.0\n"
 FINE = 0.001
@@ -243,9 +243,9 @@ def test_what_never_happened_is_reported_and_fails_if_required(often: str, expec
     recording = run_in_process(scenario, 0.01)
     (unmet,) = recording.unmet
     assert (unmet.expected, unmet.actual) == (expected, "never")
-    assert check_expectations(scenario, recording) == []
+    assert checks_of(scenario, recording) == []
     required = load_scenario(write_scenario(text.replace("[[on]]", "[[on]]\nrequired = true"), tmp_path))
-    (check,) = check_expectations(required, run_in_process(required, 0.01))
+    (check,) = checks_of(required, run_in_process(required, 0.01))
     assert (check.expected, check.actual, check.passed) == (expected, "never", False)
 
 
@@ -298,7 +298,7 @@ def test_the_cyclic_cut_cuts_other_lengths_from_other_lines(velocity: float, len
     """All cuts are there and on their marks, nothing is refused, and the saw keeps the limits of its axis."""
     scenario = cyclic_cut(velocity, length, tmp_path)
     recording = run_in_process(scenario, scenario.step_size)
-    result = check_expectations(scenario, recording)
+    result = checks_of(scenario, recording)
     assert len(result) == 4
     assert [c for c in result if not c.passed] == []
     slave = {name: recording.values[f"slave.{name}"] for name in ("position", "velocity", "acceleration", "jerk")}
@@ -310,7 +310,7 @@ def test_the_cyclic_cut_cuts_other_lengths_from_other_lines(velocity: float, len
 def test_what_the_machine_cannot_do_is_refused_and_reported(tmp_path: Path) -> None:
     """600 mm at 1200 mm/s: a cut each 0.5 s, of which it saws for 0.25 s."""
     scenario = cyclic_cut(1200.0, 600.0, tmp_path)
-    broken = [c for c in check_expectations(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
+    broken = [c for c in checks_of(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
     assert "error = false, from 0 s to 33 s" in [c.expected for c in broken]
     assert any(c.expected.startswith("number of cuts") for c in broken)
 

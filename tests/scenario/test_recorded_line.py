@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import evaluate_run, write_outputs
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.pages.results import write_outputs
 from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.toml_tables import read_file
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
@@ -26,6 +26,7 @@ from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
 from tests.support import recorded_line
 from tests.support.recordings import assert_as_in_python, run_compiled
 from tests.support.scenario_texts import write_scenario
+from tests.support.verdicts import checks_of
 
 TEXT = """\
 title = "A recorded line"
@@ -143,7 +144,7 @@ def test_pieces_are_those_that_the_block_reports() -> None:
     assert figures.production
     assert len(figures.production.pieces) == 26
     assert {(piece.measured, piece.wander) for piece in figures.production.pieces} == {(None, 0.0)}
-    expected = [check.expected for check in check_expectations(scenario, run.recording)]
+    expected = [check.expected for check in checks_of(scenario, run.recording)]
     assert not [text for text in expected if "true" in text or "positions of slave" in text]
 
 

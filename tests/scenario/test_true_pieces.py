@@ -11,7 +11,6 @@ import pytest
 from motionsync_fmu.pages.summary import print_result
 from motionsync_fmu.scenario.computed_columns import ACTUAL_POSITION
 from motionsync_fmu.scenario.evaluate.cutting_results import CuttingResults
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.key_figures import KeyFigures, compute_key_figures
 from motionsync_fmu.scenario.evaluate.outcome import ScenarioOutcome
 from motionsync_fmu.scenario.evaluate.true_pieces import TruePieces, capability, find_true_cuts
@@ -24,6 +23,7 @@ from tests.oracle import load as load_oracle
 from tests.oracle import true_pieces as oracle
 from tests.support.recordings import run_compiled
 from tests.support.scenario_texts import FREE_SAW, write_scenario
+from tests.support.verdicts import checks_of
 
 CYCLIC_CUT = ROOT / "scenarios/FlyingSaw/cyclic_cut/scenario.toml"
 LINE = """\
@@ -179,7 +179,7 @@ def test_without_servo_and_encoder_the_block_knows_the_true_places(tmp_path: Pat
 
 @pytest.mark.parametrize(("tolerance", "passed"), [(0.3, False), (0.5, True)])
 def test_a_run_is_as_expected_if_the_true_lengths_are(tolerance: float, passed: bool, tmp_path: Path) -> None:
-    checks = check_expectations(*run(tmp_path, f"{LINE}{LATE}[cuts]\ntolerance = {tolerance}\n"))
+    checks = checks_of(*run(tmp_path, f"{LINE}{LATE}[cuts]\ntolerance = {tolerance}\n"))
     (true,) = [check for check in checks if check.expected.startswith("true lengths")]
     assert true.passed == passed
     assert true.actual == "at most 0.4 mm off"
@@ -222,7 +222,8 @@ def test_without_cuts_the_whole_run_counts(tmp_path: Path) -> None:
 
 
 def outcome(figures: KeyFigures) -> ScenarioOutcome:
-    return ScenarioOutcome("f", "n", "t", "CutToLength", 0.004, figures, [], [], [], [], "r", None, "p")
+    notes = figures.load.beyond_motor if figures.load else []
+    return ScenarioOutcome("f", "n", "t", "CutToLength", 0.004, figures, [], [], [], notes, "r", None, "p")
 
 
 def test_the_console_and_json_show_what_is_true(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

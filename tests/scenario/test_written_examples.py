@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.scenario.encoder import Encoder
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
+from tests.support.verdicts import checks_of
 
 README = ROOT / "scenarios" / "README.md"
 
@@ -30,7 +30,7 @@ def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float
     file.write_text(examples[i])
     scenario = load_scenario(file)
     recording = run_in_process(scenario, step_size)
-    result = check_expectations(scenario, recording)
+    result = checks_of(scenario, recording)
     assert result
     assert [c for c in result if not c.passed] == []
     made = "pieces" if scenario.pieces else "cuts"

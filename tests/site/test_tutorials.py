@@ -19,9 +19,15 @@ COMMAND = re.compile(r"^    motionsync (.*)$", re.M)
 SLOW = ("explore", "build")  # other tests write pages and build FMUs
 STEPS = {  # of each page: the exit status of each command; what it prints, and what the page says of that
     "first_cut.md": [
-        (0, [("): as expected made 17 pieces", "17 pieces")]),
+        (
+            0,
+            [
+                ("): as expected, with 1 note ! the line was for 1.92 s faster", "is a note"),
+                ("made 17 pieces", "17 pieces"),
+            ],
+        ),
         (0, [("(saw): as expected made 6 pieces: 6 PRODUCT; 6 good", "6 pieces"), ("500 of 775.6 mm/s", "776 mm/s")]),
-        (1, [("8 skipped; the line was above its limit for 10 s, most at 0.01 s: 500 of 377.1 mm/s", "377.1 mm/s")]),
+        (1, [("! the line was above its limit for 10 s, most at 0.01 s: 500 of 377.1 mm/s", "377.1 mm/s")]),
     ],
     "my_machine.md": [
         (
@@ -33,7 +39,7 @@ STEPS = {  # of each page: the exit status of each command; what it prints, and 
             ],
         ),
         (0, [("as expected made 6 pieces: 6 PRODUCT; 6 good", "6 pieces in a minute"), ("at least 58.8 %", "58.8 %")]),
-        (1, [("7 skipped; the line was above its limit for 60 s, most at 0.01 s: 1500 of 1241 mm/s", "7 skipped")]),
+        (1, [("skipped cuts = 0: found 7", "7 skipped"), ("for 60 s, most at 0.01 s: 1500 of 1241 mm/s", "1241 mm/s")]),
     ],
 }
 

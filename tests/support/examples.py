@@ -35,6 +35,6 @@ def shown_commands(text: str) -> list[list[str]]:
     """The arguments of each command that a help text or a page shows, in their sequence: lines of code, and code in
     prose that has arguments. What has a placeholder is left out."""
     joined = re.sub(r" *\\\n\s*", " ", text)
-    found = sorted((m.start(), m[1]) for m in [*COMMAND.finditer(joined), *IN_PROSE.finditer(joined)])
-    split = [shlex.split(shown.replace("\n", " "), comments=True) for _, shown in found]
+    matches = sorted((m.start(), m[1]) for m in [*COMMAND.finditer(joined), *IN_PROSE.finditer(joined)])
+    split = [shlex.split(shown.replace("\n", " "), comments=True) for _, shown in matches]
     return [words for words in split if not any(map(PLACEHOLDER.fullmatch, words))]

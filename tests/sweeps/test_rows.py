@@ -15,7 +15,6 @@ import pytest
 
 from motionsync_fmu.batch.scripted_runs import ScriptedRun, run_scenarios
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.key_figures import SLAVE_OUTPUTS, KeyFigures, compute_key_figures
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.shipped import shipped_folder
@@ -27,6 +26,7 @@ from motionsync_fmu.sweeps.result_columns import measure_columns, schema
 from motionsync_fmu.sweeps.rows import rows
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests.support.scenario_texts import FREE_SAW
+from tests.support.verdicts import checks_of
 
 SAW = load_example("FlyingSaw").file
 ALWAYS = ["passed", "refusal", "refused_at", "broken", "first_broken"]
@@ -83,7 +83,7 @@ def expected(scenario: Scenario) -> dict[str, Any]:
     except UserError as e:
         at, _, why = str(e).removeprefix(f"{scenario.file}: at ").partition(" s ")
         return {"passed": False, "refusal": why, "refused_at": float(at)}
-    broken = [c.text for c in check_expectations(scenario, recording) if not c.passed]
+    broken = [c.text for c in checks_of(scenario, recording) if not c.passed]
     error = {"passed": not broken, "refusal": "", "broken": len(broken), "first_broken": "".join(broken[:1])}
     figures = compute_key_figures(scenario, recording)
     limits = ", ".join(peak.name for peak in figures.peaks if peak.exceeded)
@@ -351,7 +351,7 @@ def test_runs_that_nobody_evaluates_are_not_recorded(
     assert {row["fault"] for row in result} > {0}
     assert watched.calls[0] == (18, [])
     broken = sum(row["limits_broken"] != "" for row in result)
-    assert watched.calls[1:] == [(broken, [*SLAVE_OUTPUTS])]
+    assert watched.calls[1:] == [(broken, sorted({*SLAVE_OUTPUTS, "error_id", "local.exceeded_limit"}))]
     watched.calls.clear()
     monkeypatch.setattr(of_sweep, "MOST_MEMORY", 3 * 8.0 * 300)  # without outputs: 8 bytes a step
     assert table(of) == result

@@ -14,13 +14,13 @@ from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
 from ..optional_dependencies import require
 from ..pages.report.page import write_report
-from ..pages.results import evaluate_run, output_columns, write_results
+from ..pages.results import output_columns, write_results
 from ..pages.run_view import view_run
 from ..pages.summary import figure_rows
 from ..paths import replace_file
 from ..scenario.evaluate.axis_figures import LoadFigures
 from ..scenario.evaluate.find_pieces import Piece
-from ..scenario.evaluate.outcome import ScenarioOutcome
+from ..scenario.evaluate.outcome import ScenarioOutcome, evaluate_run
 from ..scenario.evaluate.reference_comparison import reference_file
 from ..scenario.evaluate.reference_files import csv_text
 from ..scenario.evaluate.true_pieces import TruePieces

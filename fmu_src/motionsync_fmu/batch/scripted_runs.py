@@ -66,7 +66,7 @@ def run_scenarios(
 
     Args:
         scenarios: of one recipe; all else may differ.
-        outputs: the outputs and local variables that are recorded; `scenario.evaluate.expectations.checked_outputs`
+        outputs: the outputs and local variables that are recorded; `scenario.evaluate.verdict.needed_outputs`
             names those that an evaluation needs.
         reduce: the measures, as for `simulate_many`; all kinds but `every:N`.
         threads: the greatest number of threads; by default the number of cores.

@@ -117,7 +117,7 @@ function twoAxes(run, picture) {
   const coupling = coupled.map((x, k) => (x ? COUPLED : changing[k] ? CHANGING : FREE));
   const periods = [run.period(picture.master_period), run.period(picture.slave_period)];
   const marks = [picture.master_marks ?? [], picture.slave_marks ?? []].map((list) => list.map((mark) => drawnMark(run, mark)));
-  const positions = unwrapped(run.values("slave.position"), periods[1]);
+  const positions = unwrapped(run, periods[1]);
   let ranges = [rangeOf(run.master), rangeOf(positions)];
   if (!periods.some((period) => period) && alike(...ranges)) {
     const both = [Math.min(ranges[0][0], ranges[1][0]), Math.max(ranges[0][1], ranges[1][1])];
@@ -153,13 +153,15 @@ function alike(first, second) {
   return Math.max(first[1], second[1]) - Math.min(first[0], second[0]) < 3 * shorter;
 }
 
-/** Positions without the jumps by a period; period 0: as they are. */
-function unwrapped(values, period) {
+/** The slave's positions without turns: each in the turn nearest to where its velocities lead from the one before. */
+function unwrapped(run, period) {
+  const values = run.values("slave.position"), velocity = run.values("slave.velocity"), {time} = run;
   if (!period) return values;
   let turns = 0;
   return values.map((x, k) => {
-    if (k) turns -= Math.round((x - values[k - 1]) / period);
-    return x + turns * period;
+    const expected = k && 0.5 * (time[k] - time[k - 1]) * (velocity[k - 1] + velocity[k]);
+    if (k) turns += Math.round((x - values[k - 1] - expected) / period);
+    return x - turns * period;
   });
 }
 
@@ -373,7 +375,7 @@ function cylinder(run, picture) {
   const [name, member] = picture.along_material.split(" == ");
   const edge = (furthest(run.values("slave.velocity")) * circumference) / turn;
   return {
-    ...run.axes(unwrapped(run.values("slave.position"), turn), turn),
+    ...run.axes(unwrapped(run, turn), turn),
     scene: "cylinder",
     turn,
     circumference,

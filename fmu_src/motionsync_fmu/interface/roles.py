@@ -8,6 +8,7 @@ from motionsync.var import Role
 
 from .variables import Variable
 
+SAW, KNIFE = "saw", "knife"  # what cuts
 MOTION = ("position", "velocity", "acceleration")  # an axis has its motion under these names
 
 
@@ -47,6 +48,8 @@ class PieceVariables:
         in_tolerance: whether the piece is a good product.
         time: when the tool came in sync for its cut, in s of the block's clock.
         reserve: the share of its cycle that was left.
+        orders, remaining, repeat: how many orders are left, the active one included; the pieces that this one lacks;
+            whether orders are appended anew, so that there is always one.
         running: whether pieces are cut.
         cutting: whether the tool works in the material, in sync with it.
         coupling_factor: the slave's travel over the master's in sync.
@@ -70,6 +73,9 @@ class PieceVariables:
     in_tolerance: str
     time: str
     reserve: str
+    orders: str
+    remaining: str
+    repeat: str
     running: str
     cutting: str
     coupling_factor: str
@@ -86,7 +92,7 @@ class PieceVariables:
     @property
     def tool(self) -> str:
         """What cuts."""
-        return "knife" if self.cut_spacing else "saw"
+        return KNIFE if self.cut_spacing else SAW
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -132,8 +138,9 @@ def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
     by_role = {v.declaration.role: v.name for v in variables if v.declaration.role}
     if Role.PIECES not in by_role:
         return None
-    count, length, limit = (by_role[role] for role in (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY))
-    counted, last, limits = (name.rpartition(".")[0] for name in (count, length, limit))
+    roles = (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY, Role.ORDERS)
+    count, length, limit, waiting = (by_role[role] for role in roles)
+    counted, last, limits, order = (name.rpartition(".")[0] for name in (count, length, limit, waiting))
     return PieceVariables(
         pieces=count,
         skipped=f"{counted}.skipped",
@@ -144,6 +151,9 @@ def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
         in_tolerance=f"{last}.good",
         time=f"{last}.time",
         reserve=f"{last}.reserve",
+        orders=waiting,
+        remaining=f"{order}.remaining",
+        repeat=f"{order}.repeat",
         running=by_role[Role.RUNNING],
         cutting=by_role[Role.CUTTING],
         coupling_factor=by_role[Role.COUPLING_FACTOR],

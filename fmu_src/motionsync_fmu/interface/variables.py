@@ -46,6 +46,7 @@ class Variable:
 
     Attributes:
         causality: what the FMU shows; the block may declare another one, which `declaration` has.
+        period: the parameter that holds the period of this position; empty: it never wraps.
     """
 
     cell: Cell
@@ -53,6 +54,7 @@ class Variable:
     depends: tuple[str, ...]
     start: Any
     causality: str
+    period: str = ""
 
     @property
     def name(self) -> str:
@@ -236,16 +238,17 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
         yield Cell(name, block, f.name, hint, declaration, choices)
 
 
-def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
-    """For each output or local whose part declares its dependencies: the inputs and parameters on which it depends
-    after the initialization."""
-    by_name: dict[str, tuple[str, ...]] = {}
+def declared_of_parts(block: Any, key: str, prefix: str = "") -> dict[str, Any]:
+    """What the parts of a block declare of their variables by a parameter of `var.part`, by the variables' names.
+
+    `key`: the parameter's name: `depends`, say."""
+    by_name: dict[str, Any] = {}
     for f in fields(block):
         value = getattr(block, f.name)
         if is_dataclass(value):
-            declared: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
-            by_name |= {f"{prefix}{f.name}.{name}": names for name, names in declared.items()}
-            by_name |= dependencies(value, f"{prefix}{f.name}.")
+            declared: Mapping[str, Any] = f.metadata.get(key, {})
+            by_name |= {f"{prefix}{f.name}.{name}": of_variable for name, of_variable in declared.items()}
+            by_name |= declared_of_parts(value, key, f"{prefix}{f.name}.")
     return by_name
 
 
@@ -253,7 +256,8 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
     """The declared variables with the block's present values as start values.
 
     `overrides`: the causality of each variable that has another one than the block declares, by name."""
-    depends, overrides = dependencies(block), overrides or {}
+    depends, periods = (declared_of_parts(block, key) for key in ("depends", "periods"))
+    overrides = overrides or {}
     return [
         Variable(
             c,
@@ -261,6 +265,7 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
             depends.get(c.name, c.declaration.depends),
             c.get(),
             overrides.get(c.name, c.declaration.causality),
+            periods.get(c.name, ""),
         )
         for c in cells(block)
         if c.declaration

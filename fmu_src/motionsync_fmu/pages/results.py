@@ -8,12 +8,8 @@ from typing import TextIO
 import numpy as np
 
 from ..paths import replace_files
-from ..scenario.evaluate.expectations import check_expectations
-from ..scenario.evaluate.key_figures import compute_key_figures
 from ..scenario.evaluate.outcome import ScenarioOutcome
-from ..scenario.evaluate.reference_comparison import compare_with_reference
 from ..scenario.evaluate.reference_files import command_line, write_csv, write_inputs
-from ..scenario.files.shipped import scenario_name
 from ..scenario.recording import Reals, Recording
 from ..scenario.scenario import Scenario
 from .report.page import with_recorded_settings, write_report
@@ -21,27 +17,6 @@ from .report.page import with_recorded_settings, write_report
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
 ROWS = 1000  # of the CSV file, that are made at a time: as Python's numbers they need a multiple of the memory
 MASTER = ("position", "velocity", "acceleration", "jerk")
-
-
-def evaluate_run(scenario: Scenario, recording: Recording) -> ScenarioOutcome:
-    """Compare a recording with what is expected; nothing is written yet.
-
-    Raises:
-        UserError: the scenario's reference cannot be used.
-    """
-    return ScenarioOutcome(
-        scenario=scenario_name(scenario.file),
-        name=scenario.label,
-        title=scenario.title,
-        fmu=scenario.recipe.name,
-        step_size=scenario.step_size,
-        figures=compute_key_figures(scenario, recording),
-        expectations=check_expectations(scenario, recording),
-        reference=[] if scenario.overrides else compare_with_reference(scenario, recording),
-        messages=recording.messages,
-        unmet=[f"{u.expected}: found {u.actual}" for u in recording.unmet if not u.reaction.required],
-        overrides=scenario.overrides,
-    )
 
 
 def write_results(

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.markup import escape
 
-from ..scenario.engineering import ROUNDING, engineering
+from ..scenario.engineering import engineering
 from ..scenario.evaluate.key_figures import KeyFigures, Peak
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.production import Production
@@ -42,7 +42,7 @@ def print_result(outcome: ScenarioOutcome, *, verbose: bool) -> None:
     number = len(outcome.messages)
     shown = outcome.messages if verbose or number <= MOST_MESSAGES else outcome.messages[:MOST_MESSAGES]
     for message in shown:
-        out.print(f"  the FMU logged: {escape(' '.join(message.split()))}")
+        out.print(f"  the FMU logged {escape(' '.join(message.split()))}")
     if number > len(shown):
         out.print(f"  the FMU logged {number - len(shown)} more; --verbose shows all")
     out.print(f"  {'result':<12}  {escape(outcome.result)}")
@@ -77,6 +77,7 @@ def figure_rows(outcome: ScenarioOutcome) -> Iterator[tuple[str, str]]:
     yield from _true_figures(figures)
     for p in figures.peaks:
         yield p.name, f"{p.value_text:<22}  limit {p.limit_text}" if p.limit_text else p.value_text
+    yield "peaks", figures.peaks_text
     if outcome.expectations:
         passed, number = sum(c.passed for c in outcome.expectations), len(outcome.expectations)
         yield "expectations", f"{passed} of {number} met"
@@ -94,7 +95,7 @@ def _production_figures(production: Production) -> Iterator[tuple[str, str]]:
         yield "length error", f"{worst:<22}  {allowed} allowed"
     if production.tightest:
         yield "not on time", production.missed_text or "no cut"
-        yield "reserve", f"at least {production.reserve_text} of a cycle"
+        yield "reserve", production.reserve_text
     if production.line:
         yield "line", f"{production.line_speed_text:<22}  {production.line_text}"
 
@@ -112,8 +113,7 @@ def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
             sigma, allowed = (
                 engineering(value, true.unit, scale=figures.scale) for value in (true.deviation, true.tolerance)
             )
-            exact = true.deviation <= ROUNDING * figures.scale
-            yield "sigma", sigma if exact else f"{sigma:<22}  C_pk {engineering(true.c_pk)} for {allowed}"
+            yield "sigma", f"{sigma:<22}  C_pk {true.c_pk_text} for {allowed}" if true.c_pk_text else sigma
         yield "in the cut", f"the tool moves {engineering(true.movement, true.unit)} against the material at most"
     if error := figures.following_error:
         yield "following", f"{engineering(error.greatest, error.unit)} at most, at {engineering(error.at, 's')}"

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from ..interface.units import unit_name
 from ..scenario.cutting import PieceSpec
 from ..scenario.engineering import engineering
 from ..scenario.evaluate.expectations import Check, check_expectations
+from ..scenario.evaluate.key_figures import find_peaks
+from ..scenario.evaluate.verdict import ALARM, check_alarms, check_limits, find_events
 from ..scenario.recording import Reals
 from .line import REMOTE, ProductionLine
 from .package import LinePackage
@@ -182,7 +184,12 @@ def _spread(values: Reals) -> float | None:
 def _check_line(line: ProductionLine, wired: Variant, synced: float, settled: float) -> Iterator[Check]:
     s, unit = line.follower, unit_name(Unit.POSITION, line.unit)
     yield Check("RemoteSync in sync", f"from {synced:.10g} s on" if synced < math.inf else "never", synced < math.inf)
-    yield from check_expectations(replace(s, cuts=None, pieces=None), wired.recording)
+    yield from check_expectations(s, wired.recording)
+    yield from check_limits(s, find_peaks(s, wired.recording), [])
+    yield from check_alarms(s, find_events(wired.recording, ALARM))
+    if s.recipe.piece_variables:
+        missed = int(wired.missed.sum())
+        yield Check("no cut left out or late", f"{missed}", missed == 0)
     if s.pieces:
         yield from _check_lengths(s.pieces, wired, settled, unit)
     if s.cuts and s.cuts.count is not None:
@@ -199,11 +206,9 @@ def _check_line(line: ProductionLine, wired: Variant, synced: float, settled: fl
 
 
 def _check_lengths(spec: PieceSpec, wired: Variant, settled: float, unit: str) -> Iterator[Check]:
-    """The follower's pieces: their number, whether a cut was missed, and their lengths."""
+    """The follower's pieces: their number and their lengths."""
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(wired.pieces)}", len(wired.pieces) == spec.count)
-    missed = int(wired.missed.sum())
-    yield Check("no cut left out or late", f"{missed}", missed == 0)
     tolerance = engineering(spec.tolerance, unit)
     lengths = [x for x in wired.lengths if x.begin >= settled]
     for whose, errors in (

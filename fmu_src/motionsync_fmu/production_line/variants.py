@@ -166,7 +166,7 @@ def variant_of(line: ProductionLine, name: str, values: Values, truth: Values, r
         recording,
         deviation,
         _index_errors(line, remote, master),
-        find_cuts(s.cuts, recording) if s.cuts else [],
+        find_cuts(s.cuts, recording, s.slave_period) if s.cuts else [],
         list(_find_switch_points(line, recording)) if line.switch_tolerance is not None else [],
         find_pieces(s, recording),
         _count_missed_cuts(line, values),

@@ -6,13 +6,11 @@ Neither acts back on the block. Runs in Python and in compiled code get the colu
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from motionsync.var import Declaration, Unit
 
 from ..interface.variables import Cell, Variable
 from .load import Load
-from .recording import Reals
+from .recording import Reals, unwrapped
 from .servo import Servo
 
 if TYPE_CHECKING:
@@ -22,7 +20,6 @@ SETPOINT = ("slave.position", "slave.velocity", "slave.acceleration")
 ACTUAL_POSITION, ACTUAL_VELOCITY = "actual.slave.position", "actual.slave.velocity"
 FOLLOWING_ERROR = "actual.slave.following_error"
 FORCE, POWER = "load.force", "load.power"
-SLAVE_PERIOD = "slave.period"  # the parameter of a block whose slave is wrapped
 
 OF_SERVO = {
     ACTUAL_POSITION: ("the axis's position behind the servo, not wrapped", Unit.SLAVE_POSITION),
@@ -61,7 +58,7 @@ def compute_columns(scenario: "Scenario", time: Reals, values: Mapping[str, Real
     columns: dict[str, Reals] = {}
     velocity = values[SETPOINT[1]]
     if servo:
-        setpoint = _unwrapped(time, values[SETPOINT[0]], velocity, scenario.slave_period)
+        setpoint = unwrapped(time, values[SETPOINT[0]], velocity, scenario.slave_period)
         actual = servo.follow(time, setpoint, velocity)
         velocity, acceleration = actual.velocity, actual.acceleration
         columns |= {ACTUAL_POSITION: actual.position, ACTUAL_VELOCITY: velocity}
@@ -72,12 +69,3 @@ def compute_columns(scenario: "Scenario", time: Reals, values: Mapping[str, Real
         columns[FORCE] = load.force(velocity, acceleration)
         columns[POWER] = load.power(columns[FORCE], velocity)
     return columns
-
-
-def _unwrapped(time: Reals, position: Reals, velocity: Reals, period: float) -> Reals:
-    """Positions without turns: each is in the turn nearest to where the velocities lead from the one before."""
-    if not period:
-        return position
-    expected = 0.5 * np.diff(time) * (velocity[1:] + velocity[:-1])
-    turns = np.rint((np.diff(position) - expected) / period)
-    return position - period * np.concatenate([[0.0], np.cumsum(turns)])

@@ -27,6 +27,8 @@ class CutSpec:
         ratio: the slave's travel over the master's.
         tolerance: the greatest allowed distance of a cut from its mark, in u.
         count: how many cuts there have to be; None: any number.
+        skipped: how many marks have to pass uncut after the first cut.
+        movement: how far the tool may move against the material while it cuts, in u; None: as far as `tolerance` says.
     """
 
     name: str
@@ -35,6 +37,8 @@ class CutSpec:
     ratio: float
     tolerance: float
     count: int | None
+    skipped: int = 0
+    movement: float | None = None
 
     def nearest_marks(self, positions: Reals) -> Reals:
         """The position of the mark that is nearest to each of these positions on the material."""
@@ -48,13 +52,18 @@ class PieceSpec:
     Attributes:
         tolerance: how far a length may be off, and a cut from where the block reports it, in u.
         count: how many pieces there have to be; None: any number.
-        skipped: how many cuts have to be skipped; a run in which more or fewer are is not as expected.
+        skipped, late: how many cuts have to be skipped, or made late.
         lengths: the lengths that they have to have, in u; None: a product has to have its ordered length.
         kinds: the names of the kinds that they have to be of; None: any.
+        movement: how far the tool may move against the material while it cuts, in u; None: as far as `tolerance` says.
+        orders_left: how many orders have to be left at the end; None: any number.
     """
 
     tolerance: float
     count: int | None = None
     skipped: int = 0
+    late: int = 0
     lengths: tuple[float, ...] | None = None
     kinds: tuple[str, ...] | None = None
+    movement: float | None = None
+    orders_left: int | None = None

@@ -40,3 +40,20 @@ class Recording:
 def greatest_position(recording: Recording) -> float:
     """The greatest magnitude of the positions of master and slave, in u."""
     return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))
+
+
+def nearest_turn(position: Any, to: Any, period: float) -> Any:
+    """Positions in the turns in which they are nearest to others: numbers, or arrays of one shape; `period`: 0: as they
+    are."""
+    return position - period * np.rint((position - to) / period) if period else position
+
+
+def unwrapped(time: Reals, position: Reals, velocity: Reals, period: float) -> Reals:
+    """Positions without turns: each is in the turn nearest to where the velocities lead from the one before.
+
+    All of shape (points,); `period`: 0: they are not wrapped."""
+    if not period:
+        return position
+    expected = 0.5 * np.diff(time) * (velocity[1:] + velocity[:-1])
+    turns = np.rint((np.diff(position) - expected) / period)
+    return position - period * np.concatenate([[0.0], np.cumsum(turns)])

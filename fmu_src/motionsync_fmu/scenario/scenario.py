@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from ..interface.recipe import Recipe
 from ..interface.variables import Variable
-from .computed_columns import SLAVE_PERIOD, computed_variables
+from .computed_columns import computed_variables
 from .cutting import CutSpec, PieceSpec
 from .drive import Drive
 from .encoder import Encoder
@@ -169,7 +169,12 @@ class Scenario:
     @property
     def slave_period(self) -> float:
         """The period of the slave's position, in u; 0: it is not wrapped."""
-        return float(self.start.get(SLAVE_PERIOD, 0.0))
+        return self.period_of("slave.position")
+
+    def period_of(self, name: str) -> float:
+        """The period of a variable that is a position, in u; 0: it is not wrapped."""
+        period = self.columns[name].period
+        return float(self.start.get(period, self.recipe.variables[period].start)) if period else 0.0
 
     @property
     def has_true_places(self) -> bool:

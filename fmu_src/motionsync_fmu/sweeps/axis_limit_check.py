@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from motionsync.exceeded_limit import SETPOINT_TOLERANCE
 from motionsync.var import Role
 
 from ..interface.variables import Variable
@@ -52,7 +53,7 @@ class AxisLimitCheck:
         if self._is_outside(scenario, extents["slave.position"]):
             return True
         return any(
-            extents[name].magnitude > self._tightest(scenario, roles) * (1.0 + ROUNDING)
+            extents[name].magnitude > self._tightest(scenario, roles) * (1.0 + SETPOINT_TOLERANCE)
             for name, roles in MAGNITUDES.items()
         )
 

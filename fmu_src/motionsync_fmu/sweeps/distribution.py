@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from ..scenario.engineering import engineering
+from ..scenario.engineering import ROUNDING, engineering
 from ..scenario.recording import Reals
 from .result_columns import TOLERANCE, TRUE_LENGTH_ERRORS
 from .table import Rows
@@ -30,7 +30,8 @@ class Capability:
     Attributes:
         tolerance: how far a length may be off.
         outside: how many are farther off.
-        c_pk: the distance of the mean from the nearer end of the tolerance, over 3 sigma.
+        c_pk: the distance of the mean from the nearer end of the tolerance, over 3 sigma; infinite where sigma is
+            rounding.
         low, high: the ends of its confidence interval; NaN for a single run.
     """
 
@@ -171,7 +172,7 @@ class _CapabilityEstimate:
     def __init__(self, moments: _Moments, tolerance: float) -> None:
         self.moments, self.tolerance = moments, tolerance
         margin, sigma = tolerance - abs(moments.mean), moments.sigma
-        self.c_pk = margin / (3.0 * sigma) if sigma else math.copysign(math.inf, margin)
+        self.c_pk = margin / (3.0 * sigma) if sigma > ROUNDING * tolerance else math.copysign(math.inf, margin)
         self.squares = 0.0
         self.outside = 0
 

@@ -11,12 +11,11 @@ import pyarrow as pa
 
 from ..batch.scripted_runs import run_scenarios
 from ..errors import UserError
-from ..scenario.evaluate.key_figures import SLAVE_OUTPUTS
 from ..scenario.scenario import Scenario
 from .expressions import Array
 from .measures import Measures, join_measures
 from .result_columns import schema
-from .run_evaluation import Row, RunEvaluation, limits_broken, refused_row
+from .run_evaluation import Row, RunEvaluation, refused_row
 from .sweep_plan import SweepPlan
 
 MOST_MEMORY = 16e6  # bytes of the recordings that are in memory at a time
@@ -85,23 +84,19 @@ def run_and_evaluate(
     evaluation = RunEvaluation(base)
     reduce = join_measures(measures, evaluation.reduce)
 
-    def evaluate_batch(batch: Sequence[Scenario]) -> list[Row]:
-        runs = run_scenarios(batch, evaluation.outputs, reduce, threads)
+    def evaluate_batch(batch: Sequence[Scenario], outputs: Sequence[str]) -> list[Row]:
+        runs = run_scenarios(batch, outputs, reduce, threads)
         return [{**run.measures, **evaluation.row(s, run)} for s, run in zip(batch, runs, strict=True)]
-
-    def check_limits(batch: Sequence[Scenario]) -> list[Row]:
-        runs = run_scenarios(batch, SLAVE_OUTPUTS, {}, threads)
-        return [limits_broken(s, run.recording) for s, run in zip(batch, runs, strict=True) if run.recording]
 
     rows: list[Row] = []
     for batch in _batches(scenarios, len(evaluation.outputs)):
         accepted = [s for s in batch if isinstance(s, Scenario)]
-        evaluated = evaluate_batch(accepted)
+        evaluated = evaluate_batch(accepted, evaluation.outputs)
         unknown = [i for i, row in enumerate(evaluated) if evaluation.lacks_limits(row)]
         numbers = iter(unknown)
-        for chunk in _batches([accepted[i] for i in unknown], len(SLAVE_OUTPUTS)):
-            for row in check_limits(chunk):
-                evaluated[next(numbers)] |= row
+        for chunk in _batches([accepted[i] for i in unknown], len(evaluation.limit_outputs)):
+            for row in evaluate_batch(chunk, evaluation.limit_outputs):
+                evaluated[next(numbers)] = row
         rows_of = iter(evaluated)
         rows += [next(rows_of) if isinstance(s, Scenario) else refused_row(PREFIX.sub("", str(s)), 0.0) for s in batch]
     return rows

@@ -4,14 +4,20 @@ A run is evaluated as `motionsync run` does, without the reference next to the s
 scenario as it is there. Only what needs the whole course is recorded; the rest comes from measures, which the compiled
 loop computes step by step."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+from motionsync.var import Role
+
 from ..batch.scripted_runs import ScriptedRun
+from ..interface.roles import find_by_role
 from ..scenario.evaluate.axis_figures import find_following_error, find_load_figures
 from ..scenario.evaluate.cutting_results import CuttingResults
-from ..scenario.evaluate.expectations import check_expectations, check_reactions, checked_outputs
+from ..scenario.evaluate.expectations import Check, check_reactions
 from ..scenario.evaluate.key_figures import SLAVE_OUTPUTS, find_peaks
+from ..scenario.evaluate.reference_comparison import Deviation
+from ..scenario.evaluate.verdict import Event, check_alarms, find_checks, gather, needed_outputs
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
 from .axis_limit_check import AxisLimitCheck, Extent
@@ -25,18 +31,21 @@ class RunEvaluation:
 
     Attributes:
         outputs: what is recorded in each run; nothing if nothing needs the whole course.
+        limit_outputs: what has to be recorded to find the limits that were broken.
         reduce: the measures for the rest, by the names of outputs.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         variables = scenario.recipe.variables
         self._limits = AxisLimitCheck(variables.values())
+        exceeded = find_by_role(variables.values(), Role.EXCEEDED_LIMIT)
+        self._exceeded = exceeded.name if exceeded else ""
         self._has_faults = FAULT_VARIABLE in variables
-        checked = checked_outputs(scenario)
-        self.outputs = sorted(checked | ({*SLAVE_OUTPUTS} if checked and self._limits else set()))
-        self.reduce: dict[str, tuple[str, ...]] = {}
-        if self._has_faults:
-            self.reduce[FAULT_VARIABLE] = ("initial", "first", "first_time")
+        codes = {FAULT_VARIABLE, self._exceeded} & {*variables}
+        self.limit_outputs = sorted({*SLAVE_OUTPUTS} | codes)
+        needed = needed_outputs(scenario)
+        self.outputs = sorted(needed | codes | ({*SLAVE_OUTPUTS} if self._limits else set())) if needed else []
+        self.reduce: dict[str, tuple[str, ...]] = dict.fromkeys(codes, ("initial", "first", "first_time"))
         if self._limits:
             self.reduce |= dict.fromkeys(SLAVE_OUTPUTS, ("initial", "min", "max"))
 
@@ -49,12 +58,17 @@ class RunEvaluation:
         if run.failure:
             return refused_row(run.failure.removeprefix(f"at {run.failed_at:g} s "), run.failed_at)
         row: Row = {}
+        may_exceed = self._may_exceed(scenario, run.measures)
+        checks: Iterable[Check | Deviation]
         if run.recording:
             results = CuttingResults(scenario, run.recording)
-            checks = check_expectations(scenario, run.recording, results)
+            peaks = find_peaks(scenario, run.recording) if may_exceed else []
+            checks = find_checks(gather(scenario, run.recording, results, peaks))
             row = _cutting_row(results) | _true_row(results) | _axis_row(scenario, run.recording)
+            row |= {LIMITS_BROKEN: ", ".join(peak.name for peak in peaks if peak.exceeded)}
         else:
-            checks = check_reactions(run.unmet)
+            checks = [*check_reactions(run.unmet), *check_alarms(scenario, self._first(FAULT_VARIABLE, run.measures))]
+            row |= {} if may_exceed else {LIMITS_BROKEN: ""}
         unmet = [check for check in checks if not check.passed]
         row |= {
             "passed": not unmet,
@@ -62,32 +76,34 @@ class RunEvaluation:
             "broken": len(unmet),
             "first_broken": unmet[0].text if unmet else "",
         }
-        return row | self._limits_broken(scenario, run) | self._fault(run.measures)
+        return row | self._fault(run.measures)
 
-    def _limits_broken(self, scenario: Scenario, run: ScriptedRun) -> Row:
+    def _may_exceed(self, scenario: Scenario, measures: Mapping[str, float]) -> bool:
+        """Whether a limit of the axis may be exceeded."""
         if not self._limits:
-            return {}
-        if not self._limits.may_be_exceeded(scenario, {name: _extent(name, run.measures) for name in SLAVE_OUTPUTS}):
-            return {LIMITS_BROKEN: ""}
-        return limits_broken(scenario, run.recording) if run.recording else {}
+            return False
+        extents = {name: _extent(name, measures) for name in SLAVE_OUTPUTS}
+        return bool(self._first(self._exceeded, measures)) or self._limits.may_be_exceeded(scenario, extents)
+
+    def _first(self, name: str, measures: Mapping[str, float]) -> list[Event]:
+        """The first value of a variable with codes that was not 0; none if there is no such variable."""
+        if name not in self.reduce:
+            return []
+        if initial := measures[f"{name}.initial"]:
+            return [Event(int(initial), 0.0)]
+        first = int(measures[f"{name}.first"])
+        return [Event(first, measures[f"{name}.first_time"])] if first else []
 
     def _fault(self, measures: Mapping[str, float]) -> Row:
         if not self._has_faults:
             return {}
-        if initial := measures[f"{FAULT_VARIABLE}.initial"]:
-            return {"fault": int(initial), "faulted_at": 0.0}
-        first = int(measures[f"{FAULT_VARIABLE}.first"])
-        return {"fault": first, "faulted_at": measures[f"{FAULT_VARIABLE}.first_time"] if first else None}
+        (event,) = self._first(FAULT_VARIABLE, measures) or [Event(0, math.nan)]
+        return {"fault": event.code, "faulted_at": event.at if event.code else None}
 
 
 def refused_row(text: str, at: float) -> Row:
     """The row of a run that was refused at a time, in s: nothing else is known of it."""
     return {"passed": False, "refusal": text, "refused_at": at}
-
-
-def limits_broken(scenario: Scenario, recording: Recording) -> Row:
-    """The limits of the axis that the slave exceeded, by the whole course of its values."""
-    return {LIMITS_BROKEN: ", ".join(peak.name for peak in find_peaks(scenario, recording) if peak.exceeded)}
 
 
 def _extent(name: str, measures: Mapping[str, float]) -> Extent:

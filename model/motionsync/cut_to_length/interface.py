@@ -127,7 +127,9 @@ class Warnings:
 
     any: bool = var.output(False, "one of the warnings is present", role=Role.WARNING)
     line_too_fast: bool = var.output(False, "the line is faster than limits.max_line_velocity")
-    limit_exceeded: bool = var.output(False, "the setpoint exceeds a limit or an end position of the axis")
+    limit_exceeded: bool = var.output(
+        False, "the setpoint exceeds a limit or an end position of the axis", role=Role.LIMIT_EXCEEDED
+    )
     orders_too_fast: bool = var.local(False, "the line is faster than limits.max_line_velocity_orders")
     stroke: bool = var.local(False, "a cycle at the present line velocity would not fit into the stroke")
     velocity: bool = var.local(False, "the carriage cannot be as fast as the line")
@@ -206,7 +208,9 @@ class Local:
     )
     missing_distance: float = var.snapshot(0.0, "by how much the carriage's way to it was too short", Unit.POSITION)
     line_velocity: float = var.snapshot(0.0, "the line's velocity when it was skipped", Unit.VELOCITY)
-    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES)
+    exceeded_limit: int = var.local(
+        0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES, role=Role.EXCEEDED_LIMIT
+    )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
 

@@ -58,7 +58,7 @@ class Order:
     add: bool = var.command(False, "rising edge: append an order")
     length: float = var.input(0.0, "length of the order's pieces, above 0", Unit.POSITION, discrete=True)
     quantity: int = var.input(1, "how many good pieces are ordered, at least 1")
-    waiting: int = var.output(0, "orders in the queue, the active one included")
+    waiting: int = var.output(0, "orders in the queue, the active one included", role=Role.ORDERS)
     remaining: int = var.output(0, "good pieces that the active order still lacks")
     skip: bool = var.switch(False, "rising edge: end the active order")
     clear: bool = var.switch(False, "rising edge: forget all orders")

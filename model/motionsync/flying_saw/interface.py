@@ -12,7 +12,7 @@ from ..axis_limits import AxisLimits
 from ..computable_range import LARGEST
 from ..exceeded_limit import ExceededLimit, Limit
 from ..slave import Slave
-from ..var import Enumeration, Report, Unit
+from ..var import Enumeration, Report, Role, Unit
 from .characteristics import Characteristics
 from .commands import GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Reset
 from .extremes import Extremes
@@ -75,7 +75,9 @@ class Local:
     plan_jerk_min: float = var.snapshot(0.0, "least jerk of the last plan, refused or not", Unit.JERK)
     plan_jerk_max: float = var.snapshot(0.0, "greatest jerk of the last plan, refused or not", Unit.JERK)
 
-    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES)
+    exceeded_limit: int = var.local(
+        0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES, role=Role.EXCEEDED_LIMIT
+    )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
     def show_exceeded(self, exceeded: ExceededLimit) -> None:
@@ -121,7 +123,9 @@ class FlyingSawInterface:
     )
     error: bool = var.output(False, "a command was refused, and none accepted since")
     error_id: int = var.output(0, "why the last refused command was: TwinCAT's number")
-    limit_exceeded: bool = var.output(False, "the motion under way exceeds a limit of the axis or an end position")
+    limit_exceeded: bool = var.output(
+        False, "the motion under way exceeds a limit of the axis or an end position", role=Role.LIMIT_EXCEEDED
+    )
     axis: SawAxis = var.part(SawAxis)
     diagonal_angle: float = var.parameter(
         0.0, "angle between the saw's and the master's travel", Unit.ANGLE, above=-90.0, below=90.0

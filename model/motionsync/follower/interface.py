@@ -100,7 +100,10 @@ class FollowerInterface:
     )
     reset: bool = var.command(False, "rising edge, at standstill: leave M_IN_ALARM and clear the error")
     slave: FollowerSlave = var.part(
-        FollowerSlave, depends={"position": ("slave.initial_position", "slave_cycle")}, slave_unit=True
+        FollowerSlave,
+        depends={"position": ("slave.initial_position", "slave_cycle")},
+        periods={"position": "slave_cycle"},
+        slave_unit=True,
     )
     state: State = var.output(State.M_IDLE, "what the slave does")
     state_code: int = var.output(1, "the state as a plain integer")

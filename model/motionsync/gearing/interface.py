@@ -145,7 +145,11 @@ class GearingInterface:
     reset: bool = var.command(False, "rising edge: clear the fault")
     set_master: SynchronousPointInput = var.part(SynchronousPointInput)
     set_slave: SynchronousPointInput = var.part(SynchronousPointInput)
-    slave: GearedSlave = var.part(GearedSlave, depends={"position": ("slave.initial_position", "slave.period")})
+    slave: GearedSlave = var.part(
+        GearedSlave,
+        depends={"position": ("slave.initial_position", "slave.period")},
+        periods={"position": "slave.period"},
+    )
     state: State = var.output(State.STOPPED, "what the slave does (eGearingState)")
     state_code: int = var.output(0, "the state as a plain integer")
     in_gear: bool = var.output(False, "the slave is on the line, and not waiting to leave it")

@@ -22,7 +22,7 @@ from ..exceeded_limit import ExceededLimit
 from ..grid import wrap
 from ..laws import chain_rule
 from ..master import PathRefusal
-from .curves import Peaks
+from .curves import SHORTEST_WAY, Peaks
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure
 from .faults import KnifeParameter, Refusal, SkipReason
@@ -479,7 +479,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def can_ramp_to(self, cut: float) -> bool:
         """Whether a ramp up to the window of a cut would have a length from here on, where positions are rounded."""
-        return cut - self.piece_window.before > self.place
+        return cut - self.piece_window.before - self.place > SHORTEST_WAY
 
     def try_requested_cut(self, section: int) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""

@@ -16,7 +16,7 @@ from .knife import Knife
 from .window import CurvePoint, Cut, Window
 
 FAR_BACK = -1e300  # before every position of the master
-SHORTEST = 1e-60  # u: the third derivative of a shorter section may leave the range of a double
+SHORTEST_WAY = 1e-60  # u of the master: of a shorter one, powers of the inverse may leave the range of a double
 TURNING_BACK = 1e-12  # of the slope at the cut: a least slope that is below 0 by no more is rounding
 
 
@@ -107,7 +107,7 @@ class Way:
         self.parks = False
         self.peaks.clear()
         length = cut.begin() - begin
-        self.exists = length >= SHORTEST
+        self.exists = length > SHORTEST_WAY
         if self.exists:
             self.first.fit_into_window(length, point, cut)
             self.include_section(self.first)
@@ -124,7 +124,7 @@ class Way:
         up = ramp_up_travel(knife, cut.window)
         length = cut.begin() - begin
         has_to_shorten = down + up > length
-        self.exists = down > 0.0 and length >= SHORTEST and (shorten or not has_to_shorten)
+        self.exists = down > 0.0 and length > SHORTEST_WAY and (shorten or not has_to_shorten)
         if self.exists:
             if has_to_shorten:
                 share = length / (down + up)

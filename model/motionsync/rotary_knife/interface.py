@@ -171,9 +171,11 @@ class MachineLimits:
 class Peaks:
     """The greatest magnitudes of the present cycle at the present line velocity."""
 
-    velocity: float = var.local(0.0, "greatest speed of the knife", Unit.VELOCITY)
-    acceleration: float = var.local(0.0, "greatest acceleration of the knife", Unit.ACCELERATION)
-    jerk: float = var.local(0.0, "greatest jerk of the knife", Unit.JERK)
+    velocity: float = var.local(0.0, "greatest speed of the knife", Unit.VELOCITY, role=Role.PEAK_VELOCITY)
+    acceleration: float = var.local(
+        0.0, "greatest acceleration of the knife", Unit.ACCELERATION, role=Role.PEAK_ACCELERATION
+    )
+    jerk: float = var.local(0.0, "greatest jerk of the knife", Unit.JERK, role=Role.PEAK_JERK)
 
 
 @dataclass(slots=True)
@@ -182,7 +184,9 @@ class Warnings:
 
     any: bool = var.output(False, "one of the warnings is present", role=Role.WARNING)
     line_too_fast: bool = var.output(False, "the line is faster than limits.max_line_velocity")
-    limit_exceeded: bool = var.output(False, "the setpoint exceeds a limit of the axis, or the ramp down will")
+    limit_exceeded: bool = var.output(
+        False, "the setpoint exceeds a limit of the axis, or the ramp down will", role=Role.LIMIT_EXCEEDED
+    )
     orders_too_fast: bool = var.local(False, "the line is faster than limits.max_line_velocity_orders")
     velocity: bool = var.local(False, "in the window the knife cannot be as fast as the line")
     mark_missing: bool = var.local(False, "a mark did not come; until the next accepted one")
@@ -229,6 +233,7 @@ class Local:
         "which limit of the axis is exceeded",
         codes=var.merged(var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK"), KnifeLimit),
         report=Report.EPISODES,
+        role=Role.EXCEEDED_LIMIT,
     )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
@@ -255,7 +260,9 @@ class RotaryKnifeInterface:
     line: LineRequest = var.part(
         LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH, *REQUEST)}
     )
-    slave: Slave = var.part(Slave, depends={"position": ("knife.park_angle",)}, slave_unit=True)
+    slave: Slave = var.part(
+        Slave, depends={"position": ("knife.park_angle",)}, periods={"position": "knife.turn"}, slave_unit=True
+    )
     state: State = var.output(State.OFF, "what the machine does")
     state_code: int = var.output(0, "the state as a plain integer")
     error: bool = var.output(False, "a command was refused, or the machine has stopped for a fault")

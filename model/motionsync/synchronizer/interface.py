@@ -63,6 +63,7 @@ class SynchronizerInterface:
             "velocity": VELOCITY_SOURCES,
             "acceleration": ACCELERATION_SOURCES,
         },
+        periods={"position": "master.period"},
     )
     state: State = var.output(State.READY, "what becomes of the last command")
     state_code: int = var.output(0, "the state as a plain integer")

@@ -327,7 +327,11 @@ def test_windows_without_a_way_between_them_are_refused() -> None:
     assert refused(sync__after=301.0) == (Refusal.SYNC_AFTER, 0.0, near(300.0, tolerance=1e-6))
     assert refused(sync__before=301.0) == (Refusal.SYNC_BEFORE, 0.0, near(300.0, tolerance=1e-6))
     assert refused(knife__blades=15) == (Refusal.BLADES, 1.0, 14.0)
-    assert refused(knife__blades=2, knife__park_angle=180.0) == (Refusal.PARK_ANGLE, near(12.0, tolerance=1e-6), near(168.0, tolerance=1e-6))
+    assert refused(knife__blades=2, knife__park_angle=180.0) == (
+        Refusal.PARK_ANGLE,
+        near(12.0, tolerance=1e-6),
+        near(168.0, tolerance=1e-6),
+    )
     assert refused(knife__blades=2, knife__park_angle=90.0) == ACCEPTED
     assert refused(sync__mode=SyncMode.HORIZONTAL, sync__before=91.0) == (Refusal.SYNC_BEFORE, 0.0, near(90.0))
     assert refused(mark__spacing=100.0, mark__window=50.0)[0] == Refusal.MARK_WINDOW

@@ -209,7 +209,7 @@ def test_windows_that_are_refused() -> None:
     assert not knife(sync__mode=2, knife__park_angle=70.0).has_way(mp.mpf(90), mp.mpf(90), mp.mpf(0))
     assert knife().has_way(mp.mpf(290), mp.mpf(290), mp.mpf(0))
     assert not knife().has_way(mp.mpf(300), mp.mpf(300), mp.mpf(0))
-    assert not knife(knife__blades=2).has_way(mp.mpf(30), mp.mpf(30), mp.mpf(0))
+    assert not knife(knife__blades=2, knife__park_angle=180.0).has_way(mp.mpf(30), mp.mpf(30), mp.mpf(0))
 
 
 # --- ramps ------------------------------------------------------------------------------------------------------------

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from ...scenario.evaluate.time_series import slave_positions
 from ...scenario.recording import Reals
 from .run import Run
-from .signals import held, unwrapped
+from .signals import held
 
 FREE, CHANGING, COUPLED = 0.0, 1.0, 2.0
 MARGIN = 0.06  # of a linear axis' range, beside it at both ends
@@ -17,7 +18,7 @@ def axes(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
     changing, coupled = (run.where(picture[name]) for name in ("changing", "coupled"))
     periods = run.period(picture["master_period"]), run.period(picture["slave_period"])
     marks = [[_mark(run, mark) for mark in picture.get(name, [])] for name in ("master_marks", "slave_marks")]
-    positions = unwrapped(run.values("slave.position"), periods[1])
+    positions = slave_positions(run.scenario, run.recording)
     ranges = _range(run.recording.master[:, 0]), _range(positions)
     if not any(periods) and _alike(*ranges):
         ranges = ((min(r[0] for r in ranges), max(r[1] for r in ranges)),) * 2

@@ -54,7 +54,7 @@ def belt(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
 
 
 def _cuts(run: Run) -> list[Cut]:
-    return find_cuts(run.scenario.cuts, run.recording) if run.scenario.cuts else []
+    return find_cuts(run.scenario.cuts, run.recording, run.scenario.slave_period) if run.scenario.cuts else []
 
 
 def _ratio(run: Run, picture: dict[str, Any]) -> float:

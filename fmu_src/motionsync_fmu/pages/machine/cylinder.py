@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...scenario.evaluate.find_pieces import find_pieces
+from ...scenario.evaluate.time_series import slave_positions
 from .pieces import next_cut, pieces_drawn
 from .run import Run
-from .signals import unwrapped
 
 
 def cylinder(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def cylinder(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
     ratio = run.start(names.factors[0])
     pieces = find_pieces(run.scenario, run.recording)
     edge = np.abs(run.values("slave.velocity")).max() * circumference / turn
-    return run.axes(unwrapped(run.values("slave.position"), turn), turn) | {
+    return run.axes(slave_positions(run.scenario, run.recording), turn) | {
         "scene": "cylinder",
         "turn": turn,
         "circumference": circumference,

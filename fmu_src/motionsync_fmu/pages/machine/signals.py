@@ -111,8 +111,3 @@ def held(time: Reals, values: Reals, digits: int = DIGITS) -> Signal:
     places = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
     places = places[:: 1 + len(places) // MOST_HELD]
     return {"t": time[places].tolist(), "x": rounded(values[places], digits)}
-
-
-def unwrapped(values: Reals, period: float) -> Reals:
-    """Positions without the jumps by a period; period 0: as they are."""
-    return np.asarray(np.unwrap(values, period=period)) if period else values

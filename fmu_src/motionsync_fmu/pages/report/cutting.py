@@ -18,7 +18,7 @@ from ..style import with_unit
 from .chart import BAD, MASTER, OK, SLAVE, Chart, Style
 from .motion import NEAR, bounds, draw_bound
 
-MOST_MARKS = 1000  # lines of marks; more could not be distinguished
+MOST_MARKS = 150  # lines of marks, and large markers; more could not be distinguished
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error
 
 
@@ -64,7 +64,10 @@ def _draw_errors(chart: Chart, figures: KeyFigures, unit: str) -> None:
         "x": rounded((c.end for c in figures.cuts), TIME_DIGITS),
         "y": rounded(c.error for c in figures.cuts),
         "customdata": numbers,
-        "marker": {"size": 8, "color": [BAD if abs(c.error) > tolerance else OK for c in figures.cuts]},
+        "marker": {
+            "size": 8 if len(figures.cuts) <= MOST_MARKS else 4,
+            "color": [BAD if abs(c.error) > tolerance else OK for c in figures.cuts],
+        },
         "hovertemplate": "%{customdata[2]}<extra>cut %{customdata[0]}, mark %{customdata[1]}</extra>",
         "meta": with_unit("error of the cut", unit),
     }
@@ -83,12 +86,18 @@ def _draw_errors(chart: Chart, figures: KeyFigures, unit: str) -> None:
 
 
 def _draw_marks(chart: Chart, spec: CutSpec, recording: Recording, figures: KeyFigures, unit: str) -> None:
-    """Draw where each mark is while it passes the range of the saw, marks without a cut in another colour."""
+    """Draw where each mark is while it passes the range of the saw, marks without a cut in another colour; of very many
+    marks only these."""
     passing = list(passages(spec, recording, *reach(spec, recording)))
-    if len(passing) > MOST_MARKS:
-        chart.annotate(f"{len(passing)} marks pass: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top")
-        return
     uncut = {round((mark - spec.offset) / spec.length) for mark in figures.uncut}
+    if len(passing) > MOST_MARKS:
+        number, passing = len(passing), [p for p in passing if p.number in uncut]
+        drawn = (
+            f"those without a cut, {len(passing)}, are drawn" if 0 < len(passing) <= MOST_MARKS else "too many to draw"
+        )
+        chart.annotate(f"{number} marks pass: {drawn}", yref="y domain", x=0.5, y=0.97, yanchor="top")
+        if len(passing) > MOST_MARKS:
+            return
     styles = (("marks on the material", MASTER, 1.0, "solid"), ("marks that passed uncut", BAD, 1.6, "dot"))
     for missed, (name, colour, width, dash) in enumerate(styles):
         selected = [p for p in passing if (p.number in uncut) == bool(missed)]

@@ -79,7 +79,6 @@ def write_report(
         axis_units=motion_units(scenario.unit),
         axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
-        rounding=ROUNDING,
         kind_colour=kind_colour,
         measured=_measured,
         error_text=error_text,

@@ -8,6 +8,7 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ..computed_columns import FOLLOWING_ERROR, FORCE, POWER
+from ..engineering import engineering
 from ..load import Load
 from ..recording import Reals, Recording
 from ..scenario import Scenario
@@ -31,13 +32,16 @@ class LoadFigures:
     """What the motor has to give. Forces are in N, or torques in N m where the axis turns.
 
     Attributes:
-        peak, peak_at: the greatest magnitude of the force in the whole run, and its time in s.
+        peak: the greatest magnitude of the force in the whole run.
+        peak_at: its time, in s.
         rms: the root of the mean square of the force over the cycles.
         peak_power: the greatest magnitude of the power in the whole run, in W.
         work: the work for a cycle in J; what comes back while braking is taken off. None: there are no cycles.
-        begin, end: the cycles, from the start of the first cut to that of the last one; without two cuts the whole run.
+        begin: of the cycles, in s: the start of the first cut; without two cuts that of the run.
+        end: of the cycles, in s: the start of the last cut; without two cuts the end of the run.
         cycles: how many there are from `begin` to `end`; 0: it is the whole run.
-        peak_share, rms_share: of what the motor can give; None: this is not known.
+        peak_share: of the greatest force that the motor can give for a while; None: this is not given.
+        rms_share: of the force that it can give for ever; None: this is not given.
         unit: the unit of forces.
     """
 
@@ -57,6 +61,16 @@ class LoadFigures:
     def what(self) -> str:
         """What the motor gives: a force, or a torque."""
         return "torque" if self.unit == TORQUE else "force"
+
+    @property
+    def beyond_motor(self) -> list[str]:
+        """What the motor cannot give, a sentence each."""
+        shares = (("peak", self.peak, self.peak_share), ("rms", self.rms, self.rms_share))
+        return [
+            f"beyond the motor: {name} {self.what} {engineering(force, self.unit)}, {100.0 * share:.3g} % of its own"
+            for name, force, share in shares
+            if share is not None and share > 1.0
+        ]
 
 
 def find_following_error(scenario: Scenario, recording: Recording) -> FollowingError | None:

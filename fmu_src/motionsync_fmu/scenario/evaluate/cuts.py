@@ -1,16 +1,24 @@
 """Cuts of a saw: where on the material they are, and how far each is from its mark.
 
 The material moves with the master. Marks are on it at distances of `length`. A saw that is coupled at a mark stays at
-this mark: slave = ratio (master - mark). Each interval in which the Boolean of the table [cuts] is true is one cut.
+this mark: slave = ratio (master - mark), of a saw that turns without whole turns, near 0. Each interval in which the
+Boolean of the table [cuts] is true is one cut.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from ..cutting import CutSpec
-from ..recording import Reals, Recording
+from ..engineering import ROUNDING, engineering
+from ..recording import Reals, Recording, unwrapped
+from .time_series import in_nearest_turn
+
+MOST_MARKS = 10_000  # that passed uncut; more are not listed
+NAMED_MARKS = 4  # that a text names; of more it names the first two
 
 
 @dataclass(frozen=True)
@@ -29,16 +37,22 @@ class Cut:
     error: float
 
 
-def find_cuts(spec: CutSpec, recording: Recording) -> list[Cut]:
-    """The cuts of a run, in the order of time."""
+def find_cuts(spec: CutSpec, recording: Recording, slave_period: float = 0.0) -> list[Cut]:
+    """The cuts of a run, in the order of time.
+
+    `slave_period`: that of the saw's position; 0: it is not wrapped."""
     on = recording.values[spec.name] != 0.0
     borders = np.flatnonzero(np.diff(on, prepend=False, append=False))
     first, after = borders[::2], borders[1::2]
     if not len(first):
         return []
-    places = recording.master[on, 0] - recording.values["slave.position"][on] / spec.ratio
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the places
+    saw = recording.values["slave.position"]
+    if slave_period:
+        saw = unwrapped(recording.time, saw, recording.values["slave.velocity"], slave_period)
+    saw = in_nearest_turn(saw[on], begins, slave_period)
+    places = recording.master[on, 0] - saw / spec.ratio
     marks = spec.nearest_marks(np.add.reduceat(places, begins) / points)
     errors = places - np.repeat(marks, points)
     greatest = np.maximum.reduceat(np.abs(errors), begins)
@@ -81,3 +95,30 @@ def passages(spec: CutSpec, recording: Recording, low: float, high: float) -> It
         number = n if spec.ratio > 0.0 else -n
         place = spec.offset + number * spec.length
         yield Passage(number, place, recording.time[at], travel[at] - n * distance)
+
+
+def find_uncut_marks(spec: CutSpec, cuts: tuple[Cut, ...], recording: Recording) -> list[float]:
+    """The marks that came from before the saw, went out of its reach, and are the nearest mark of no cut.
+
+    The position at which the saw starts is none of them: there the material ends. The reach is as far as the saw went
+    along with the material in this run. Of very many marks the first MOST_MARKS are listed."""
+    sign = 1.0 if recording.master[-1, 0] >= recording.master[0, 0] else -1.0
+    material, saw = sign * recording.master[:, 0], sign * recording.values["slave.position"] / spec.ratio
+    begin, end = float(material[0] - saw[0]), float(material.max() - saw.max())
+    margin = ROUNDING * max(spec.length, float(np.abs(material).max()))
+    first = math.floor((begin - sign * spec.offset + margin) / spec.length) + 1
+    last = math.ceil((end - sign * spec.offset - margin) / spec.length) - 1
+    marks = (spec.offset + sign * n * spec.length for n in range(first, last + 1))
+    cut_marks = {round((cut.mark - spec.offset) / spec.length) for cut in cuts}
+    return list(islice((m for m in marks if round((m - spec.offset) / spec.length) not in cut_marks), MOST_MARKS))
+
+
+def uncut_text(uncut: Sequence[float], unit: str) -> str:
+    """Marks that passed uncut, in words: `5 marks passed uncut: 1300, 1800, … mm`; empty if there are none."""
+    number = len(uncut)
+    if not number:
+        return ""
+    named = uncut if number <= NAMED_MARKS else uncut[:2]
+    positions = ", ".join([*(engineering(position) for position in named), *(["…"] if number > len(named) else [])])
+    count = f"{'at least ' * (number == MOST_MARKS)}{number} mark{'s' * (number > 1)}"
+    return f"{count} passed uncut: {positions} {unit}".strip()

@@ -6,7 +6,7 @@ from functools import cached_property
 
 from ..recording import Recording
 from ..scenario import Scenario
-from .cuts import Cut, find_cuts
+from .cuts import Cut, find_cuts, find_uncut_marks
 from .production import Production, evaluate_production
 from .true_pieces import TruePieces, find_true_pieces
 
@@ -21,7 +21,22 @@ class CuttingResults:
     @cached_property
     def cuts(self) -> tuple[Cut, ...]:
         """The cuts in the order of time; empty if the scenario has no marks."""
-        return tuple(find_cuts(self.scenario.cuts, self.recording)) if self.scenario.cuts else ()
+        spec = self.scenario.cuts
+        return tuple(find_cuts(spec, self.recording, self.scenario.slave_period)) if spec else ()
+
+    @cached_property
+    def uncut(self) -> tuple[float, ...]:
+        """The positions of the marks that passed the saw without a cut, in u, in the sequence of passing."""
+        spec = self.scenario.cuts
+        return tuple(find_uncut_marks(spec, self.cuts, self.recording)) if spec else ()
+
+    @property
+    def missed_marks(self) -> tuple[float, ...]:
+        """Those of them that passed after the first cut: each leaves a piece in which two are merged."""
+        if not self.cuts:
+            return ()
+        first, runs_forwards = self.cuts[0].mark, self.recording.master[-1, 0] >= self.recording.master[0, 0]
+        return tuple(mark for mark in self.uncut if (mark > first) == runs_forwards)
 
     @cached_property
     def production(self) -> Production | None:

@@ -4,35 +4,37 @@ The console and the report print the same texts of them.
 """
 
 import math
-from dataclasses import dataclass
-from itertools import islice
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from motionsync.exceeded_limit import SETPOINT_TOLERANCE
 from motionsync.var import Role, Unit
 
 from ...interface.roles import find_by_role
 from ...interface.units import unit_name
-from ..cutting import CutSpec
 from ..engineering import ROUNDING, engineering
 from ..recording import Reals, Recording, greatest_position
 from ..scenario import Scenario
 from .axis_figures import FollowingError, LoadFigures, find_following_error, find_load_figures
-from .cuts import Cut
+from .cuts import Cut, uncut_text
 from .cutting_results import CuttingResults
 from .production import Production
 from .time_series import time_series
 from .true_pieces import TruePieces
 
 NOWHERE = 1e9  # u; an end position this far away bounds nothing
-MOST_MARKS = 10_000  # that passed uncut; more are not listed
+OWN_PEAKS = {
+    "velocity": Role.PEAK_VELOCITY,
+    "acceleration": Role.PEAK_ACCELERATION,
+    "jerk": Role.PEAK_JERK,
+}  # what a block itself shows of its present cycle
 SLAVE_OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
-NAMED_MARKS = 4  # uncut marks that a text names; of more it names the first two
 
 
 @dataclass(frozen=True)
 class Peak:
-    """How far one of the slave's values went, seen at the communication points.
+    """How far one of the slave's values went, at the communication points, and as far as the block itself knows.
 
     Attributes:
         name: "position", "velocity", "acceleration", "deceleration" or "jerk". An axis without a limit of its own for
@@ -43,7 +45,9 @@ class Peak:
             magnitude.
         limit: the greatest allowed magnitude, of the position the upper end position; None: there is none.
         lower: the lower end position; None: there is none, and for every value but the position.
-        exceeded: whether the value was beyond a limit at any time, by more than rounding.
+        own: the greatest magnitude in the cycles of a block that shows it; 0: it does not. It is the true one: between
+            the communication points the value may be greater than at them.
+        exceeded: whether the value was beyond a limit at any time, by more than the rounding of a setpoint.
     """
 
     name: str
@@ -54,11 +58,12 @@ class Peak:
     limit: float | None
     lower: float | None
     exceeded: bool
+    own: float = 0.0
 
     @property
     def value(self) -> float:
         """The greatest magnitude."""
-        return max(abs(self.least), abs(self.greatest))
+        return max(abs(self.least), abs(self.greatest), self.own)
 
     @property
     def value_text(self) -> str:
@@ -94,8 +99,7 @@ class KeyFigures:
         peaks: one for each of the slave's values.
         production: what was made by a block that reports its pieces; None: it does not.
         cuts: the cuts in the order of time; empty if the scenario has no table [cuts].
-        uncut: the positions of the marks that passed the saw without a cut, in u, in the sequence of passing; at
-            most MOST_MARKS of them.
+        uncut: the positions of the marks that passed the saw without a cut, in u, in the sequence of passing.
         tolerance: how far a cut may be from its mark, in u; None: the scenario has no table [cuts].
         true_pieces: the pieces as a tape measure finds them; None: as for `find_true_pieces`.
         following_error: the greatest one; None: there is no servo.
@@ -114,6 +118,12 @@ class KeyFigures:
     load: LoadFigures | None
     unit: str
     scale: float
+
+    @property
+    def peaks_text(self) -> str:
+        """Where the peaks are from: between the communication points a value may be greater than at them."""
+        own = "as the block knows them, else " if any(peak.own for peak in self.peaks) else ""
+        return f"{own}at the communication points"
 
     @property
     def worst(self) -> Cut | None:
@@ -150,38 +160,19 @@ class KeyFigures:
 
     @property
     def uncut_text(self) -> str:
-        """The marks that passed uncut, in words: `5 marks passed uncut: 1300, 1800, … mm`; empty if there are none."""
-        number = len(self.uncut)
-        if not number:
-            return ""
-        named = self.uncut if number <= NAMED_MARKS else self.uncut[:2]
-        positions = ", ".join([*(engineering(position) for position in named), *(["…"] if number > len(named) else [])])
-        count = f"{'at least ' * (number == MOST_MARKS)}{number} mark{'s' * (number > 1)}"
-        return f"{count} passed uncut: {positions} {self.unit}".strip()
-
-    @property
-    def axis_notes(self) -> list[str]:
-        """What the motor cannot give, a sentence each."""
-        if not self.load:
-            return []
-        shares = (("peak", self.load.peak, self.load.peak_share), ("rms", self.load.rms, self.load.rms_share))
-        return [
-            f"beyond the motor: {name} {self.load.what} {engineering(force, self.load.unit)}, "
-            f"{100.0 * share:.3g} % of its own"
-            for name, force, share in shares
-            if share is not None and share > 1.0
-        ]
+        """The marks that passed uncut, in words; empty if there are none."""
+        return uncut_text(self.uncut, self.unit)
 
 
-def compute_key_figures(scenario: Scenario, recording: Recording) -> KeyFigures:
-    """The figures of a run of a scenario."""
+def compute_key_figures(scenario: Scenario, recording: Recording, results: CuttingResults | None = None) -> KeyFigures:
+    """The figures of a run of a scenario. `results`: its cuts and pieces, if the caller has them."""
     spec = scenario.cuts
-    results = CuttingResults(scenario, recording)
+    results = results or CuttingResults(scenario, recording)
     return KeyFigures(
         tuple(find_peaks(scenario, recording)),
         results.production,
         results.cuts,
-        tuple(_find_uncut_marks(spec, results.cuts, recording)) if spec else (),
+        results.uncut,
         spec.tolerance if spec else None,
         results.true_pieces,
         find_following_error(scenario, recording),
@@ -219,7 +210,21 @@ def find_peaks(scenario: Scenario, recording: Recording) -> list[Peak]:
         slowing = np.where(slowing == 0.0, 0.0 if most is None else most, slowing)
         for name, values, highest in (("acceleration", faster, most), ("deceleration", slower, slowing)):
             peaks.append(_find_peak(name, values, _finite_limit(highest), recording.time, unit(Unit.ACCELERATION)))
-    return [*peaks, _find_peak("jerk", jerk, _finite_limit(limit(Role.MAX_JERK)), recording.time, unit(Unit.JERK))]
+    peaks.append(_find_peak("jerk", jerk, _finite_limit(limit(Role.MAX_JERK)), recording.time, unit(Unit.JERK)))
+    return [replace(peak, own=_find_own(scenario, recording, peak)) for peak in peaks]
+
+
+def _find_own(scenario: Scenario, recording: Recording, peak: Peak) -> float:
+    """The greatest magnitude of a value in the cycles of a block that shows it; 0: it does not.
+
+    A cycle that is beyond the limit is not carried out."""
+    role = OWN_PEAKS.get(peak.name)
+    v = role and find_by_role(scenario.recipe.variables.values(), role)
+    if not v:
+        return 0.0
+    values = recording.values.get(v.name, np.zeros(1))
+    most = math.inf if peak.limit is None else peak.limit * (1.0 + SETPOINT_TOLERANCE)
+    return float(values[values <= most].max(initial=0.0))
 
 
 def _finite_limit(limit: Reals | None) -> Reals | None:
@@ -248,7 +253,7 @@ def _find_peak(name: str, values: Reals, limit: Reals | None, time: Reals, unit:
     if limit is not None and math.isinf(limit[i]):  # the slave moved only where there was no limit
         i = int(np.argmax(magnitude))
     allowed = None if limit is None or math.isinf(limit[i]) else float(limit[i])
-    exceeded = limit is not None and bool((magnitude > limit * (1.0 + ROUNDING)).any())
+    exceeded = limit is not None and bool((magnitude > limit * (1.0 + SETPOINT_TOLERANCE)).any())
     return Peak(name, unit, float(values.min()), float(values.max()), float(time[i]), allowed, None, exceeded)
 
 
@@ -275,22 +280,3 @@ def _range_text(low: float, high: float, unit: str, scale: float = 0.0) -> str:
 def _number_text(value: float, scale: float) -> str:
     """A number without its unit; 0 where it is rounding at this scale."""
     return engineering(0.0 if abs(value) <= ROUNDING * scale else value)
-
-
-# --- marks ---
-
-
-def _find_uncut_marks(spec: CutSpec, cuts: tuple[Cut, ...], recording: Recording) -> list[float]:
-    """The marks that came from before the saw, went out of its reach, and are the nearest mark of no cut.
-
-    The position at which the saw starts is none of them: there the material ends. The reach is as far as the saw went
-    along with the material in this run."""
-    sign = 1.0 if recording.master[-1, 0] >= recording.master[0, 0] else -1.0
-    material, saw = sign * recording.master[:, 0], sign * recording.values["slave.position"] / spec.ratio
-    begin, end = float(material[0] - saw[0]), float(material.max() - saw.max())
-    margin = ROUNDING * max(spec.length, float(np.abs(material).max()))
-    first = math.floor((begin - sign * spec.offset + margin) / spec.length) + 1
-    last = math.ceil((end - sign * spec.offset - margin) / spec.length) - 1
-    marks = (spec.offset + sign * n * spec.length for n in range(first, last + 1))
-    cut_marks = {round((cut.mark - spec.offset) / spec.length) for cut in cuts}
-    return list(islice((m for m in marks if round((m - spec.offset) / spec.length) not in cut_marks), MOST_MARKS))

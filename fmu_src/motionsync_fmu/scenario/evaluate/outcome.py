@@ -1,12 +1,18 @@
 """The outcome of a run: the record that `motionsync run` prints."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from ..files.shipped import scenario_name
+from ..recording import Recording
+from ..scenario import Scenario
+from .cutting_results import CuttingResults
 from .expectations import Check
-from .key_figures import KeyFigures
-from .reference_comparison import Deviation
+from .key_figures import KeyFigures, compute_key_figures
+from .reference_comparison import Deviation, compare_with_reference
+from .verdict import find_checks, find_notes, gather
 
 
 @dataclass(frozen=True, repr=False)
@@ -21,8 +27,7 @@ class ScenarioOutcome:
         figures: the cuts, and the slave's extreme values next to the limits of its axis.
         reference: how far the run is from the reference; empty without one.
         messages: what the FMU logged.
-        unmet: the reactions that happened less often than they could have, in words; without those that are required,
-            which are among the expectations.
+        notes: what a reader should know although no check fails by it, a sentence each.
         result: the CSV file with the outputs; empty: it is not written.
         report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone; empty: the inputs for it are not written.
@@ -38,7 +43,7 @@ class ScenarioOutcome:
     expectations: list[Check]
     reference: list[Deviation]
     messages: list[str]
-    unmet: list[str]
+    notes: list[str]
     result: str = ""
     report: str | None = None
     fmpy: str = ""
@@ -59,20 +64,6 @@ class ScenarioOutcome:
         checks: list[Check | Deviation] = [*self.expectations, *self.reference]
         return [c for c in checks if not c.passed]
 
-    @property
-    def notes(self) -> list[str]:
-        """What a reader should know although no check fails by it, a sentence each."""
-        notes = [f"beyond the limit of the axis: {p.text}" for p in self.figures.peaks if p.exceeded]
-        if self.figures.uncut:
-            notes.append(self.figures.uncut_text)
-        if self.figures.production:
-            notes += self.figures.production.notes
-        notes += self.figures.axis_notes
-        notes += self.unmet
-        if not self.expectations and not self.reference:
-            notes.append("nothing is checked: the scenario has no [[expect]], no [cuts] and no reference")
-        return notes
-
     def as_json(self) -> dict[str, Any]:
         """What `--json` prints."""
         values = asdict(self) | {"passed": self.passed}
@@ -81,9 +72,35 @@ class ScenarioOutcome:
             {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
             for d in self.reference
         ]
-        del values["unmet"]  # it is among the notes
         if not values["overrides"]:
             del values["overrides"]
+        if (true := figures["true_pieces"]) and not math.isfinite(true["c_pk"]):
+            true["c_pk"] = None
         given = [key for key in ("true_pieces", "following_error", "load") if figures[key] is not None]
         shown = {key: figures[key] for key in ("cuts", "uncut", "production", *given, "peaks")}
-        return values | shown | {"reference": reference, "notes": self.notes}
+        return values | shown | {"reference": reference, "notes": values["notes"]}
+
+
+def evaluate_run(scenario: Scenario, recording: Recording) -> ScenarioOutcome:
+    """Compare a recording with what is expected; nothing is written yet.
+
+    Raises:
+        UserError: the scenario's reference cannot be used.
+    """
+    results = CuttingResults(scenario, recording)
+    figures = compute_key_figures(scenario, recording, results)
+    reference = [] if scenario.overrides else compare_with_reference(scenario, recording)
+    evidence = gather(scenario, recording, results, figures.peaks, reference, figures.load)
+    return ScenarioOutcome(
+        scenario=scenario_name(scenario.file),
+        name=scenario.label,
+        title=scenario.title,
+        fmu=scenario.recipe.name,
+        step_size=scenario.step_size,
+        figures=figures,
+        expectations=[check for check in find_checks(evidence) if isinstance(check, Check)],
+        reference=reference,
+        messages=recording.messages,
+        notes=find_notes(evidence),
+        overrides=scenario.overrides,
+    )

@@ -1,5 +1,6 @@
 """The production of a block that records its pieces: how many of which kind, how exact, with how much reserve."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from motionsync.var import Unit
 
+from ...interface.roles import KNIFE
 from ...interface.units import unit_name
 from ..engineering import ROUNDING, engineering, line_speed
 from ..recording import Recording, greatest_position
@@ -60,6 +62,7 @@ class Production:
         tolerance: how far a length may be off, in u: that of the scenario, or else the block's own.
         unit: the unit of lengths.
         scale: the greatest magnitude of the positions of material and slave, in u: errors are compared with it.
+        tool: what cuts: "saw" or "knife".
     """
 
     pieces: tuple[Piece, ...]
@@ -70,6 +73,7 @@ class Production:
     tolerance: float
     unit: str
     scale: float
+    tool: str
 
     @property
     def products(self) -> list[Piece]:
@@ -165,10 +169,15 @@ class Production:
 
     @property
     def reserve_text(self) -> str:
-        """The least reserve: `12.4 % (piece 4)`; empty without a piece."""
+        """The least reserve: `at least 12.4 % (piece 4) of a cycle`. Of a knife, which turns without a pause, how far
+        the line was below its limit: `the line at least 7.9 % below its limit`. Empty without a piece."""
         if not self.tightest:
             return ""
-        return f"{100.0 * self.tightest.reserve:.3g} % (piece {self.tightest.number})"
+        if self.tool != KNIFE:
+            return f"at least {100.0 * self.tightest.reserve:.3g} % (piece {self.tightest.number}) of a cycle"
+        margin = 1.0 - self.line.velocity / self.line.limit if self.line and self.line.limit > 0.0 else -math.inf
+        how = f"at least {100.0 * margin:.3g} % below" if margin >= 0.0 else f"up to {-100.0 * margin:.3g} % above"
+        return f"the line {how} its limit" if math.isfinite(margin) else "the line above its limit, which is 0"
 
     @property
     def short_text(self) -> str:
@@ -178,19 +187,6 @@ class Production:
             of_products = f" ({self.products_text})" if self.merged else ""
             parts.append(f"worst error {self.worst_text}{of_products}")
         return ", ".join([*parts, *([self.missed_text] if self.missed_text else [])])
-
-    @property
-    def notes(self) -> list[str]:
-        """What a reader should know although no check fails by it, a sentence each."""
-        notes = []
-        if self.missed_text:
-            why = f"; the line was {self.line.limit_text}" if self.line and self.line.beyond else ""
-            notes.append(f"cuts that did not come on time: {self.missed_text}{why}")
-        if unreported := self.cuts - len(self.pieces):
-            notes.append(
-                f"{_number_of(unreported, 'piece')} not reported: the step is longer than it takes to make one"
-            )
-        return notes
 
 
 def evaluate_production(scenario: Scenario, recording: Recording) -> Production | None:
@@ -211,6 +207,7 @@ def evaluate_production(scenario: Scenario, recording: Recording) -> Production 
         spec.tolerance if spec else float(time_series(scenario, recording, names.tolerance)[0]),
         unit_name(Unit.POSITION, scenario.unit),
         greatest_position(recording),
+        names.tool,
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import UserError
 from ..engineering import engineering
-from ..recording import Recording
+from ..recording import Recording, nearest_turn
 from ..scenario import Scenario
 
 
@@ -92,8 +92,9 @@ def _find_mistake(header: list[str], table: np.ndarray[Any, np.dtype[np.float64]
 def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Deviation]:
     """Compare a recording with the reference at their common times.
 
-    Two rows of the reference at one time are the values before and after a jump; any value between them agrees. The
-    scenario's tolerance is relative to the greatest magnitude of the variable in the reference, at least 1.
+    Two rows of the reference at one time are the values before and after a jump; any value between them agrees. A
+    position that wraps has the same value a turn away: where its turn ends is no jump. The scenario's tolerance is
+    relative to the greatest magnitude of the variable in the reference, at least 1.
     """
     reference = read_reference(scenario)
     if reference is None:
@@ -110,8 +111,9 @@ def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Dev
     last = np.searchsorted(table[:, 0], times[common], "right") - 1
     deviations = []
     for column, name in enumerate(names, 1):
-        before, after = table[first, column], table[last, column]
-        values = recording.columns[name][at[common]]
+        period, before = scenario.period_of(name), table[first, column]
+        after = nearest_turn(table[last, column], before, period)
+        values = nearest_turn(recording.columns[name][at[common]], before, period)
         beyond = np.maximum(np.minimum(before, after) - values, values - np.maximum(before, after))
         differences = np.maximum(beyond, 0.0)
         worst = int(np.argmax(differences)) if len(differences) else 0

@@ -14,11 +14,11 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ..computed_columns import ACTUAL_POSITION
-from ..engineering import engineering
-from ..recording import Reals, Recording
+from ..engineering import ROUNDING, engineering
+from ..recording import Reals, Recording, greatest_position
 from ..scenario import Scenario
 from .find_pieces import coupling_factor, tool_travel
-from .time_series import time_series, true_stretches
+from .time_series import in_nearest_turn, slave_positions, time_series, true_stretches
 
 if TYPE_CHECKING:
     from .cutting_results import CuttingResults
@@ -71,10 +71,12 @@ class TruePieces:
         mean: the mean length.
         deviation: one sigma of the errors, from two pieces on; where all are ordered alike, that of the lengths.
         worst: the error of the greatest magnitude.
-        c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance.
+        c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance; infinite where
+            sigma is rounding.
         movement: how far the tool moves against the material while it cuts, in the worst of all cuts.
         tolerance: how far a length may be off.
         unit: the unit of lengths.
+        scale: the greatest magnitude of the positions from which the lengths come, in u.
     """
 
     pieces: tuple[TruePiece, ...]
@@ -85,6 +87,12 @@ class TruePieces:
     movement: float
     tolerance: float
     unit: str
+    scale: float
+
+    @property
+    def c_pk_text(self) -> str:
+        """The process capability; empty where there is none, or where it is infinite."""
+        return c_pk_text(self.c_pk)
 
     @property
     def mean_error(self) -> float:
@@ -97,7 +105,7 @@ class TruePieces:
         groups: dict[str, list[TruePiece]] = {}
         for piece in self.pieces:
             groups.setdefault(engineering(piece.ordered, digits=9), []).append(piece)
-        return [_one_length(pieces, self.tolerance) for pieces in groups.values()]
+        return [_one_length(pieces, self.tolerance, self.scale) for pieces in groups.values()]
 
 
 @dataclass(frozen=True)
@@ -111,8 +119,18 @@ class OneLength:
     worst: float
     c_pk: float
 
+    @property
+    def c_pk_text(self) -> str:
+        """As that of `TruePieces`."""
+        return c_pk_text(self.c_pk)
 
-def _one_length(pieces: Sequence[TruePiece], tolerance: float) -> OneLength:
+
+def c_pk_text(c_pk: float) -> str:
+    """A process capability; empty where there is none, or where it is infinite."""
+    return engineering(c_pk) if math.isfinite(c_pk) else ""
+
+
+def _one_length(pieces: Sequence[TruePiece], tolerance: float, scale: float) -> OneLength:
     errors = [piece.error for piece in pieces]
     return OneLength(
         pieces[0].ordered,
@@ -120,7 +138,7 @@ def _one_length(pieces: Sequence[TruePiece], tolerance: float) -> OneLength:
         float(np.mean([piece.length for piece in pieces])),
         _deviation(errors) if len(errors) > 1 else math.nan,
         max(errors, key=abs),
-        capability(errors, tolerance),
+        capability(errors, tolerance, scale),
     )
 
 
@@ -141,16 +159,17 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
     tolerance = (
         results.production.tolerance if results.production else scenario.cuts.tolerance if scenario.cuts else 0.0
     )
-    errors = [piece.error for piece in pieces]
+    errors, scale = [piece.error for piece in pieces], greatest_position(recording)
     return TruePieces(
         pieces,
         float(np.mean([piece.length for piece in pieces])) if pieces else math.nan,
         _deviation(errors) if len(errors) > 1 else math.nan,
         max(errors, key=abs, default=math.nan),
-        capability(errors, tolerance),
+        capability(errors, tolerance, scale),
         float(cuts.movement.max(initial=0.0)),
         tolerance,
         unit_name(Unit.POSITION, scenario.unit),
+        scale,
     )
 
 
@@ -164,10 +183,13 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the points of all
     at = np.arange(points.sum()) + np.repeat(first - begins, points)
-    tool = recording.computed.get(ACTUAL_POSITION, recording.values["slave.position"])
+    actual = recording.computed.get(ACTUAL_POSITION)
+    tool = slave_positions(scenario, recording) if actual is None else actual
     if names := scenario.recipe.piece_variables:
-        tool = tool_travel(names, recording, tool)
-    places = recording.master[at, 0] - tool[at] / _ratio(scenario, recording)
+        tool = tool_travel(names, recording, tool)[at]
+    else:
+        tool = in_nearest_turn(tool[at], begins, scenario.slave_period)
+    places = recording.master[at, 0] - tool / _ratio(scenario, recording)
     spans = np.diff(recording.time[at], prepend=0.0)
     spans[begins] = 0.0
     weights = spans + np.append(spans[1:], 0.0)  # twice those of trapezoids
@@ -177,14 +199,16 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     return TrueCuts(recording.time[first], means, movement)
 
 
-def capability(errors: Sequence[float], tolerance: float) -> float:
+def capability(errors: Sequence[float], tolerance: float, scale: float = 0.0) -> float:
     """The process capability C_pk of errors that may be up to `tolerance` on both sides; NaN for fewer than two.
 
-    Where all are the same it is infinite: positive within the tolerance, negative beyond."""
+    Where all are the same but for rounding it is infinite: positive within the tolerance, negative beyond.
+
+    `scale`: the greatest magnitude of the positions from which the errors come."""
     if len(errors) < 2:
         return math.nan
     margin, sigma = tolerance - abs(float(np.mean(errors))), _deviation(errors)
-    return margin / (3.0 * sigma) if sigma else math.copysign(math.inf, margin)
+    return margin / (3.0 * sigma) if sigma > ROUNDING * scale else math.copysign(math.inf, margin)
 
 
 def _deviation(errors: Sequence[float]) -> float:

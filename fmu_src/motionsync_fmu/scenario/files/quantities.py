@@ -31,13 +31,13 @@ def resolve_quantities(top: TomlTable, variables: Mapping[str, Variable], unit: 
     Raises:
         UserError: a unit is unknown, or measures something else; the message has file, line and key.
     """
-    for path, value in _texts(top.values):
-        if is_quantity(value) and (kind := measured_kind(path, variables)):
-            table = _table_at(top, path[:-1])
+    for path, values in _texts(top.values):
+        key = str(path[-1])
+        if is_quantity(values[key]) and (kind := measured_kind(path, variables)):
             try:
-                table.values[str(path[-1])] = convert(value, unit_name(kind, unit, slave_unit))
+                values[key] = convert(values[key], unit_name(kind, unit, slave_unit))
             except UserError as e:
-                table.fail(str(path[-1]), str(e))
+                _table_at(top, path[:-1]).fail(key, str(e))
     return top
 
 
@@ -58,16 +58,13 @@ def measured_kind(path: KeyPath, variables: Mapping[str, Variable]) -> Unit | No
     return None
 
 
-def _texts(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """All texts in a file that are values of keys, with their paths."""
-    if isinstance(value, str) and path and isinstance(path[-1], str):
-        yield path, value
-    elif isinstance(value, dict):
-        for key, inner in value.items():
+def _texts(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
+    """The paths of all texts in a file that are values of keys, each with the table that has the key."""
+    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+        if isinstance(inner, str) and isinstance(value, dict):
+            yield (*path, key), value
+        elif isinstance(inner, dict | list):
             yield from _texts(inner, (*path, key))
-    elif isinstance(value, list):
-        for i, inner in enumerate(value):
-            yield from _texts(inner, (*path, i))
 
 
 def _table_at(top: TomlTable, path: KeyPath) -> TomlTable:

@@ -90,6 +90,9 @@ SEGMENT = TableKeys(
         ),
     ),
 )
+MOVEMENT = number(
+    "movement", "how far the tool may move against the material while it cuts", "u", absent="tolerance", least=0.0
+)
 CUTS = TableKeys(
     "[cuts], marks",
     "The slave is a saw, and the master its material, which has marks.",
@@ -105,7 +108,9 @@ CUTS = TableKeys(
             absent="0.1 mm, or a ten-thousandth of length",
             least=0.0,
         ),
+        MOVEMENT,
         whole("count", "how many cuts there must be", absent="any"),
+        whole("skipped", "how many marks must pass uncut after the first cut", default=0),
     ),
 )
 PIECES = TableKeys(
@@ -115,8 +120,11 @@ PIECES = TableKeys(
         number(
             "tolerance", "how far a length may be off", "u", absent="0.1 mm; in deg, rad and 1 there is none", least=0.0
         ),
+        MOVEMENT,
         whole("count", "how many pieces there must be", absent="any"),
         whole("skipped", "how many cuts must be skipped", default=0),
+        whole("late", "how many cuts must be late", default=0),
+        whole("orders_left", "how many orders must be left at the end", absent="any, with a note"),
         Key("lengths", "of all pieces", "list of numbers in u", "each product is as long as ordered"),
         Key("kinds", "of all pieces, as in last.kind", "list of names", "any"),
     ),

@@ -19,6 +19,7 @@ KeyLocation = tuple[str, int, str]
 
 MOST_DIGITS = 4300  # of an integer; Python reads and writes no longer ones (sys.int_info.default_max_str_digits)
 LONGEST = 10**MOST_DIGITS
+DEEPEST = 100  # tables and lists within each other; no key is that deep
 LONG = re.compile(r"\b\d\w{2999,}")  # 4300 digits are 3571 in hexadecimal
 
 
@@ -68,7 +69,7 @@ def parse_literal(text: str) -> Any:
     """A value as TOML writes it (true, false, a number); any other text as it is."""
     try:
         return _parse(f"value = {text}")["value"]
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
 
 
@@ -87,11 +88,13 @@ def _parse(text: str) -> dict[str, Any]:
         raise
     except ValueError:  # that of int()
         raise ValueError(too_long) from None
-    remaining: list[Any] = [values]
+    remaining: list[tuple[Any, int]] = [(values, 0)]
     while remaining:
-        value = remaining.pop()
+        value, depth = remaining.pop()
         if isinstance(value, dict | list):
-            remaining += value.values() if isinstance(value, dict) else value
+            if depth > DEEPEST:
+                raise RecursionError
+            remaining += [(inner, depth + 1) for inner in (value.values() if isinstance(value, dict) else value)]
         elif isinstance(value, int) and abs(value) >= LONGEST:  # hexadecimal, octal or binary
             raise ValueError(too_long)
     return values

@@ -123,6 +123,7 @@ class FmuInstance:
         description: FMPy's model description.
         kinds: value reference and type of each variable, by name; the type is that of FMI's get and set functions.
         messages: what the FMU has logged.
+        timed_messages: the same, each with its time: that of the end of the step in which the FMU logged it.
         time: the present communication point, in s.
     """
 
@@ -132,7 +133,8 @@ class FmuInstance:
         types = TYPES[self.fmi]
         self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
-        self.time = 0.0
+        self.timed_messages: list[str] = []
+        self.time = self._step_end = 0.0
         self._groups: dict[tuple[str, ...], list[Group]] = {}
         self.folder = fmpy.extract(str(fmu), include=lambda member: member.startswith(NEEDED))
         self._check_path(Path(self.folder))
@@ -163,7 +165,9 @@ class FmuInstance:
             )
 
     def _log(self, host: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        self.messages.append(message.decode())
+        text = message.decode()
+        self.messages.append(text)
+        self.timed_messages.append(f"at {self._step_end:.10g} s: {text}")
 
     def __enter__(self) -> Self:
         return self
@@ -215,9 +219,10 @@ class FmuInstance:
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> None:
         """Set the inputs that belong to the present time, then step on by h seconds."""
+        self._step_end = self.time + h
         self.set(values or {})
         self.call(self.unit.doStep, self.time, h)
-        self.time += h
+        self.time = self._step_end
 
     def terminate(self) -> None:
         """End the run: the FMU logs what has happened again and again."""

@@ -205,7 +205,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
             instance.terminate()
         except FmuError as error:
             raise UserError(f"{scenario.file}: at {recorder.current_time:g} s the FMU refused: {error}") from None
-    return recorder.recording(instance.messages)
+    return recorder.recording(instance.timed_messages)
 
 
 def run_in_process(scenario: Scenario, step_size: float) -> Recording:

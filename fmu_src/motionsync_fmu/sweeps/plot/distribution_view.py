@@ -1,6 +1,7 @@
 """What a page shows of one column alone: the histogram of its values, their quantiles, and of true length errors how
 capable the process is, and how much that differs from run to run."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -172,6 +173,9 @@ def distribution_figures(view: DistributionView) -> Iterator[tuple[str, str, str
     yield f"mean {view.name}", shown(d.mean), f"one sigma is {shown(d.sigma)}" if d.count > 1 else ""
     yield f"99 % of the {view.counted}", f"{shown(low)} to {shown(high)}", f"the farthest from 0 is {shown(d.worst)}"
     if c:
+        if not math.isfinite(c.c_pk):
+            yield "process capability", "none", f"the {view.counted} are all the same, but for rounding"
+            return
         without = "a confidence interval needs several runs" if d.runs == 1 else ""
         yield "process capability", f"C_pk {c.c_pk:.2f}", c.interval or without
 
@@ -184,7 +188,10 @@ def distribution_text(view: DistributionView) -> str:
         text += " The curve is the normal distribution with the same mean and sigma."
     if c is None:
         return text
-    text += f" Red bars, beyond the dotted lines, are out of tolerance. C_pk is {c.c_pk:.2f}: from the mean to"
+    text += " Red bars, beyond the dotted lines, are out of tolerance."
+    if not math.isfinite(c.c_pk):
+        return text
+    text += f" C_pk is {c.c_pk:.2f}: from the mean to"
     text += " the nearer end of the tolerance it is so many times 3 sigma; customers often ask for 1.33."
     if c.interval:
         text += f" These runs are a sample of all that could be: C_pk is {c.interval}. Lengths of one run depend on"

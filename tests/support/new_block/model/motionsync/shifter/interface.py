@@ -32,6 +32,7 @@ class ShifterInterface:
             "velocity": VELOCITY_SOURCES,
             "acceleration": ACCELERATION_SOURCES,
         },
+        periods={"position": "master.period"},
     )
     state: State = var.output(State.FOLLOWING, "where the slave runs")
     state_code: int = var.output(0, "the state as a plain integer")
