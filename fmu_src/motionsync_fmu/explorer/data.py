@@ -174,9 +174,9 @@ def _axis(s: Scenario) -> str:
 
 
 def _recorded(s: Scenario) -> dict[str, Any]:
-    """A recorded line: its rows, with unwrapped positions, and the velocity with which it starts."""
-    positions = [m.position for m in s.master.motions]
-    return {"times": s.master.breaks, "positions": positions, "velocity": s.master.initial.velocity}
+    """A recorded line: its rows, with unwrapped positions and the velocities after them, and that at the start."""
+    motions = [[m.position, m.velocity] for m in s.master.motions]
+    return {"times": s.master.breaks, "motions": motions, "velocity": s.master.initial.velocity}
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:
