@@ -9,6 +9,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.input_watch import InputWarning
+from motionsync.master import MasterInput
 from tests.support.runs import BlockRun, Strategy
 
 STEPS = 200  # of a run are wrong, if it has more than twice as many
@@ -34,7 +35,11 @@ def _spoiled(run: BlockRun, kind: InputWarning) -> BlockRun:
     if kind == InputWarning.NONE or len(run.steps) <= 2 * STEPS:
         return run
     steps = [(h, {**values, **wrong}) for (_, values), (h, wrong) in zip(run.steps, _line(run, kind), strict=False)]
-    return BlockRun(run.start, steps + run.steps[STEPS:])
+    mode = run.start["master.input_mode"]
+    if kind != InputWarning.JUMP and mode > MasterInput.END_OF_STEP:
+        mode = MasterInput.START_OF_STEP  # it sees all of them
+    start = {**run.start, "master.period": 0.0, "master.input_mode": int(mode)}
+    return BlockRun(start, steps + run.steps[STEPS:])
 
 
 def _line(run: BlockRun, kind: InputWarning) -> Iterator[tuple[float, dict[str, float]]]:
