@@ -747,9 +747,11 @@ def test_a_line_is_drawn_where_its_values_are_and_not_at_the_next_pixels(chosen:
       const high = (y) => plot.valToPos(y, "y", true), lines = plot.axes[1]._splits.map(high);
       for (let x = Math.ceil(bbox.left) + 9; x < bbox.left + bbox.width - 9; x++) {
         const t = plot.posToVal((x + 0.5 - bbox.left) / uPlot.pxRatio, "x"), k = times.findLastIndex((u) => u <= t);
-        const share = (t - times[k]) / (times[k + 1] - times[k]), y = high(master[k] + share * (master[k + 1] - master[k]));
+        const share = (t - times[k]) / (times[k + 1] - times[k]);
+        const y = high(master[k] + share * (master[k + 1] - master[k]));
         if ([...lines, high(slave[k])].some((other) => Math.abs(other - y) < 9)) continue;
-        const rows = Array.from({length: 11}, (_, i) => Math.floor(y) - 5 + i), red = (row) => data[4 * (row * width + x)];
+        const rows = Array.from({length: 11}, (_, i) => Math.floor(y) - 5 + i);
+        const red = (row) => data[4 * (row * width + x)];
         const dark = rows.map((row) => Math.abs(red(row) - red(rows[0]))), sum = dark.reduce((a, b) => a + b, 0);
         if (sum) found.push(dark.reduce((a, d, i) => a + d * (rows[i] + 0.5), 0) / sum - y);
       }
