@@ -727,6 +727,41 @@ def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(chosen: 
     assert len(before) == 3
 
 
+@pytest.mark.parametrize(("block", "scenario"), [("CutToLength", "cyclic_orders"), ("RotaryKnife", "formats")])
+def test_the_numbers_at_an_axis_do_not_reach_its_label(chosen: Chosen, block: str, scenario: str) -> None:
+    """With a jerk of 200000 mm/s3 and of 1000000 deg/s3."""
+    beyond = """() => motionsyncExplore.plots().flatMap((plot) => plot.axes.slice(1).flatMap((axis, i) => {
+      plot.ctx.font = axis.font[0];
+      const space = axis.size(plot, axis._values, i + 1, 0) - axis.ticks.size - axis.gap;
+      return axis._values.filter((text) => text && plot.ctx.measureText(text).width / uPlot.pxRatio > space);
+    }))"""
+    assert chosen(block, scenario).page.evaluate(beyond) == []
+
+
+def test_a_line_is_drawn_where_its_values_are_and_not_at_the_next_pixels(chosen: Chosen) -> None:
+    """The position of Gearing's master, which goes 800 mm at one velocity: the middle of its line in each column of
+    pixels, away from the slave's line and from the grid, in the mean of nine columns."""
+    off = """() => {
+      const [plot] = motionsyncExplore.plots(), [times, slave, , master] = plot.data, {bbox} = plot, found = [];
+      const {data, width} = plot.ctx.getImageData(0, 0, plot.ctx.canvas.width, plot.ctx.canvas.height);
+      const high = (y) => plot.valToPos(y, "y", true), lines = plot.axes[1]._splits.map(high);
+      for (let x = Math.ceil(bbox.left) + 9; x < bbox.left + bbox.width - 9; x++) {
+        const t = plot.posToVal((x + 0.5 - bbox.left) / uPlot.pxRatio, "x"), k = times.findLastIndex((u) => u <= t);
+        const share = (t - times[k]) / (times[k + 1] - times[k]);
+        const y = high(master[k] + share * (master[k + 1] - master[k]));
+        if ([...lines, high(slave[k])].some((other) => Math.abs(other - y) < 9)) continue;
+        const rows = Array.from({length: 11}, (_, i) => Math.floor(y) - 5 + i);
+        const red = (row) => data[4 * (row * width + x)];
+        const dark = rows.map((row) => Math.abs(red(row) - red(rows[0]))), sum = dark.reduce((a, b) => a + b, 0);
+        if (sum) found.push(dark.reduce((a, d, i) => a + d * (rows[i] + 0.5), 0) / sum - y);
+      }
+      return found;
+    }"""
+    found = chosen("Gearing", "example").page.evaluate(off)
+    assert len(found) > 100
+    assert np.abs(np.convolve(found, np.full(9, 1 / 9), "valid")).max() < 0.4  # px
+
+
 # --- the run as a file ---
 
 

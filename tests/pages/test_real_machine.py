@@ -1,14 +1,18 @@
 """The report of a machine with encoder, servo and load: its charts show the true pieces and the motor's limits."""
 
+import re
+from dataclasses import replace
 from math import erf, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.pages.report.chart import BAD, OK, Chart
-from motionsync_fmu.pages.report.page import run_charts
+from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.pages.report.real_machine import chart_histogram
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.evaluate.true_pieces import TruePiece, TruePieces
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -35,7 +39,7 @@ def pieces(*errors: float, tolerance: float = 0.1) -> TruePieces:
     made = tuple(TruePiece(i, float(i), 800.0 + error, 800.0, 800.0) for i, error in enumerate(errors, 1))
     sigma = float(np.std(errors, ddof=1)) if len(errors) > 1 else float("nan")
     worst = max(errors, key=abs)
-    return TruePieces(made, 800.0 + float(np.mean(errors)), sigma, worst, 1.0, 0.0, tolerance, "mm")
+    return TruePieces(made, 800.0 + float(np.mean(errors)), sigma, worst, 1.0, 0.0, tolerance, tolerance, "mm", 1e4)
 
 
 def test_the_bars_of_the_histogram_hold_each_piece_once() -> None:
@@ -63,6 +67,22 @@ def test_few_or_equal_errors_have_a_histogram(errors: tuple[float, ...]) -> None
     low, high = chart.span
     assert low < -0.1
     assert high > 0.1
+
+
+@pytest.mark.parametrize("allowed", [0.05, 0.11, 0.12, 0.5])
+def test_a_tool_that_moves_too_far_in_the_cut_is_red(recording: Recording, tmp_path: Path, allowed: float) -> None:
+    """In this run it moves by 0.1135 mm."""
+    scenario = load_scenario(FILE)
+    assert scenario.pieces
+    scenario = replace(scenario, pieces=replace(scenario.pieces, movement=allowed))
+    outcome = evaluate_run(scenario, recording)
+    write_report(tmp_path / "report.html", scenario, recording, outcome)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    figure = re.search(r'<div class="(\w*)"><dt>movement in the cut</dt>(.*?)</div>', page, re.DOTALL)
+    assert figure
+    assert figure[1] == ("met" if outcome.passed else "unmet")
+    assert outcome.passed == (allowed > 0.1135)
+    assert f"{allowed} mm allowed" in figure[2]
 
 
 def test_true_and_believed_errors_are_drawn_at_their_cuts(charts: dict[str, Chart], recording: Recording) -> None:

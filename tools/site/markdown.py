@@ -9,14 +9,16 @@ from motionsync_fmu.pages.state_diagram import draw_diagram
 DIAGRAM = re.compile(r"^```mermaid\n(.*?)^```$", re.M | re.S)
 FENCE = re.compile(r"(^ *```.*?^ *```$)", re.M | re.S)
 CONTINUED = re.compile(r"^ {2,3}(?=[^ ])", re.M)  # a line that goes on with a point of a list
+FURTHER = re.compile(r"(\n\n    \S.*\n(?:    \S.*\n)*)(?=\d+\. |[-*] )")  # a further paragraph, before the next point
 NODE = re.compile(r'(\w+)\["([^":]+): ([^"]+)"\]')
 ARROW = re.compile(r"^(.*?) -+> (.*)$")
 
 
 def indent_lists(text: str) -> str:
-    """The text with the four spaces that MkDocs expects before the further paragraphs of a point in a list."""
+    """The text with the four spaces that MkDocs expects before the further paragraphs of a point in a list, and the
+    empty line behind them."""
     parts = FENCE.split(text)  # code has an odd index
-    parts[::2] = (CONTINUED.sub("    ", part) for part in parts[::2])
+    parts[::2] = (FURTHER.sub(r"\1\n", CONTINUED.sub("    ", part)) for part in parts[::2])
     return "".join(parts)
 
 

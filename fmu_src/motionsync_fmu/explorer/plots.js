@@ -7,6 +7,12 @@ const AXIS = 26; // px, of the times below the last plot
 const VALUES = 62, LABEL = 18; // px, beside a plot: the values of an axis, and its label
 const NONE = "none";
 
+/** A number at an axis: of six digits, and never longer than fits beside its label. */
+function numberText(value) {
+  const rounded = Number(value.toPrecision(6)), size = Math.abs(rounded);
+  return rounded && (size < 1e-4 || size >= 1e6) ? rounded.toExponential() : String(rounded);
+}
+
 const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** A list of plots, each with a label, units and the columns of a run: any of `slave`, `other` and `smoothed`; `names`: what
@@ -192,8 +198,9 @@ class Plots {
       font: "11px system-ui",
     };
     const label = `${of.label}${unit ? ` ${unit}` : ""}`,
-      line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more}),
-      side = {...axis, size: VALUES, labelSize: LABEL, labelFont: "12px system-ui", space: 20},
+      line = (name, more) => ({stroke: colour(name), points: {show: false}, pxAlign: 0, ...more}), // 1: a slope has steps
+      texts = (_, ticks) => ticks.map(numberText),
+      side = {...axis, size: VALUES, labelSize: LABEL, labelFont: "12px system-ui", space: 20, values: texts},
       own = masters === null ? {} : {scale: "masters"};
     const paths = of.stepped ? {paths: uPlot.paths.stepped({align: -1})} : {};
     return {

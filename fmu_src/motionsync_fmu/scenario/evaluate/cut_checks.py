@@ -16,7 +16,7 @@ from .cuts import uncut_text
 from .cutting_results import CuttingResults
 from .expectations import Check
 from .production import Production
-from .true_pieces import UNSEEN
+from .true_pieces import UNSEEN, allowed_movement
 
 
 def check_number(results: CuttingResults) -> Iterator[Check]:
@@ -121,15 +121,13 @@ def check_movement(results: CuttingResults) -> Iterator[Check]:
 
     Of a saw with marks the latter is part of the errors of the cuts."""
     production, true = results.production, results.true_pieces
-    spec = results.scenario.pieces or results.scenario.cuts
     wander = [piece.wander for piece in production.pieces if piece.cut] if production else []
     if not true and not wander:
         return
     worst = true.movement if true else max(wander)
     tolerance = true.tolerance if true else production.tolerance if production else 0.0
-    given = spec.movement if spec else None
-    allowed, unit = tolerance if given is None else given, unit_name(Unit.POSITION, results.scenario.unit)
-    if spec or worst > allowed:
+    allowed, unit = allowed_movement(results.scenario, tolerance), unit_name(Unit.POSITION, results.scenario.unit)
+    if results.scenario.pieces or results.scenario.cuts or worst > allowed:
         yield Check(
             f"the tool moves in the cut by at most {engineering(allowed, unit)}",
             UNSEEN

@@ -77,6 +77,7 @@ class TruePieces:
             sigma is rounding.
         movement: how far the tool moves against the material while it cuts, in the worst of all cuts; NaN where each
             cut is over before the next communication point.
+        allowed_movement: how far it may move so.
         tolerance: how far a length may be off.
         unit: the unit of lengths.
         scale: the greatest magnitude of the positions from which the lengths come, in u.
@@ -88,6 +89,7 @@ class TruePieces:
     worst: float
     c_pk: float
     movement: float
+    allowed_movement: float
     tolerance: float
     unit: str
     scale: float
@@ -156,6 +158,12 @@ def cutting_flag(scenario: Scenario) -> str:
     return names.cutting if names else scenario.cuts.name if scenario.cuts else ""
 
 
+def allowed_movement(scenario: Scenario, tolerance: float) -> float:
+    """How far the tool may move against the material while it cuts, in u; `tolerance`: that of the lengths, in u."""
+    spec = scenario.pieces or scenario.cuts
+    return tolerance if spec is None or spec.movement is None else spec.movement
+
+
 def find_true_pieces(scenario: Scenario, recording: Recording, results: "CuttingResults") -> TruePieces | None:
     """The true pieces of a run; None where nothing is cut, or where the block knows the true places.
 
@@ -175,6 +183,7 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
         max(errors, key=abs, default=math.nan),
         capability(errors, tolerance, scale),
         float(np.fmax.reduce(cuts.movement)) if len(cuts.movement) else 0.0,
+        allowed_movement(scenario, tolerance),
         tolerance,
         unit_name(Unit.POSITION, scenario.unit),
         scale,
