@@ -142,7 +142,23 @@ def test_cuts_of_every_kind_are_those_of_the_oracle(seed: int) -> None:
     result = find_true_cuts(scenario, recording)
     cuts = by_the_oracle(recording, scenario.cuts.name, scenario.cuts.ratio)
     assert result.place.tolist() == pytest.approx([float(place) for place in cuts.places], abs=1e-9)
-    assert result.movement.max(initial=0.0) == pytest.approx(float(cuts.movement), abs=1e-9)
+    seen = result.movement[~np.isnan(result.movement)]
+    assert seen.max(initial=0.0) == pytest.approx(float(cuts.movement), abs=1e-9)
+    assert len(result.movement) - len(seen) == sum(len(times) == 1 for times, _ in cuts.cuts)
+
+
+@pytest.mark.parametrize(("step", "seen"), [(0.1, False), (0.002, True)])
+def test_a_cut_within_a_step_does_not_show_how_far_the_tool_moves_in_it(
+    step: float, seen: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The blade cuts for 50 ms. What nobody has seen is not within the tolerance."""
+    text = LINE.replace("step_size = 0.004", f"step_size = {step}").replace("kerf", '"tool.cut_time" = 0.05\nkerf')
+    scenario, recording = run(tmp_path, text + SERVO + "[cuts]\ntolerance = 5.0\nlate = 9\nskipped = 9\n")
+    assert math.isnan(true_pieces(scenario, recording).movement) != seen
+    (check,) = (check for check in checks_of(scenario, recording) if "moves in the cut" in check.expected)
+    assert (check.passed, check.actual.startswith("unknown: each cut is over")) == (seen, not seen)
+    print_result(outcome(compute_key_figures(scenario, recording)), verbose=False)
+    assert ("unknown: each cut is over" in capsys.readouterr().out) != seen
 
 
 @pytest.mark.parametrize("errors", [[0.1, -0.2, 0.05], [0.3, 0.3], [0.7, 0.7, 0.7], [-2.0, -2.5]])

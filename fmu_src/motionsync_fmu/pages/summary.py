@@ -1,5 +1,6 @@
 """Prints for `motionsync run`: a result for each scenario, and a summary of all."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from rich.markup import escape
@@ -114,7 +115,8 @@ def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
                 engineering(value, true.unit, scale=figures.scale) for value in (true.deviation, true.tolerance)
             )
             yield "sigma", f"{sigma:<22}  C_pk {true.c_pk_text} for {allowed}" if true.c_pk_text else sigma
-        yield "in the cut", f"the tool moves {engineering(true.movement, true.unit)} against the material at most"
+        moves = f"the tool moves {true.movement_text} against the material at most"
+        yield "in the cut", true.movement_text if math.isnan(true.movement) else moves
     if error := figures.following_error:
         yield "following", f"{engineering(error.greatest, error.unit)} at most, at {engineering(error.at, 's')}"
     if load := figures.load:

@@ -37,8 +37,8 @@ class CycleState:
     step: a prediction that was too high is corrected by the next input, which is no backward travel. `highest` includes
     all predictions; the slave does not go back behind it.
 
-    At the park, no meeting of a fixed cycle is chosen before `earliest_next_meeting`: one before it belongs to the cycle
-    that was skipped last. WAITING_NEXT_CYCLE ends where the master is at `next_cycle_from`.
+    At the park, no meeting of a fixed cycle is chosen before `earliest_next_meeting`: one before it belongs to the
+    cycle that was skipped last. WAITING_NEXT_CYCLE ends where the master is at `next_cycle_from`.
     """
 
     stage: Stage = Stage.IDLE

@@ -84,7 +84,7 @@ def test_in_sync_the_backstop_with_the_instant_stop() -> None:
 def test_an_input_that_is_ahead_of_the_path_of_a_master_that_goes_back_is_no_passing_forwards(
     sign: float, modes: tuple[str, ...], correction: float
 ) -> None:
-    """Coupled at 0, the master turns. A step ends just behind 0, and the next input is just before it, still backwards."""
+    """Coupled at 0, the master turns. A step ends just behind 0; the next input is just before it, still backwards."""
     saw = FlyingSawHarness(speed=sign * 400.0).modes("rollback_lock", "instant_stop_on_rollback", *modes)
     saw.give("gear_in_velo", acceleration=500.0, deceleration=500.0).run(0.1)
     saw.speed = sign * -300.0

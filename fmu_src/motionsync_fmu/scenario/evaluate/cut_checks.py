@@ -16,7 +16,7 @@ from .cuts import uncut_text
 from .cutting_results import CuttingResults
 from .expectations import Check
 from .production import Production
-from .true_pieces import allowed_movement
+from .true_pieces import UNSEEN, allowed_movement
 
 
 def check_number(results: CuttingResults) -> Iterator[Check]:
@@ -130,6 +130,8 @@ def check_movement(results: CuttingResults) -> Iterator[Check]:
     if results.scenario.pieces or results.scenario.cuts or worst > allowed:
         yield Check(
             f"the tool moves in the cut by at most {engineering(allowed, unit)}",
-            engineering(worst, unit, scale=greatest_position(results.recording), digits=3),
+            UNSEEN
+            if math.isnan(worst)
+            else engineering(worst, unit, scale=greatest_position(results.recording), digits=3),
             worst <= allowed,
         )

@@ -23,6 +23,8 @@ from .time_series import in_nearest_turn, slave_positions, time_series, true_str
 if TYPE_CHECKING:
     from .cutting_results import CuttingResults
 
+UNSEEN = "unknown: each cut is over before the next communication point"
+
 
 @dataclass(frozen=True)
 class TrueCuts:
@@ -31,7 +33,7 @@ class TrueCuts:
     Attributes:
         begin: the first point of each, in s.
         place: the mean over its time of where on the material the tool is, in u.
-        movement: how far the tool moves against the material, in u.
+        movement: how far the tool moves against the material, in u; NaN for a cut with one point alone.
     """
 
     begin: Reals
@@ -73,7 +75,8 @@ class TruePieces:
         worst: the error of the greatest magnitude.
         c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance; infinite where
             sigma is rounding.
-        movement: how far the tool moves against the material while it cuts, in the worst of all cuts.
+        movement: how far the tool moves against the material while it cuts, in the worst of all cuts; NaN where each
+            cut is over before the next communication point.
         allowed_movement: how far it may move so.
         tolerance: how far a length may be off.
         unit: the unit of lengths.
@@ -95,6 +98,11 @@ class TruePieces:
     def c_pk_text(self) -> str:
         """The process capability; empty where there is none, or where it is infinite."""
         return c_pk_text(self.c_pk)
+
+    @property
+    def movement_text(self) -> str:
+        """How far the tool moves in the worst of all cuts."""
+        return UNSEEN if math.isnan(self.movement) else engineering(self.movement, self.unit)
 
     @property
     def mean_error(self) -> float:
@@ -174,7 +182,7 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
         _deviation(errors) if len(errors) > 1 else math.nan,
         max(errors, key=abs, default=math.nan),
         capability(errors, tolerance, scale),
-        float(cuts.movement.max(initial=0.0)),
+        float(np.fmax.reduce(cuts.movement)) if len(cuts.movement) else 0.0,
         allowed_movement(scenario, tolerance),
         tolerance,
         unit_name(Unit.POSITION, scenario.unit),
@@ -205,6 +213,7 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     weights[begins[points == 1]] = 1.0
     means = np.add.reduceat(weights * places, begins) / np.add.reduceat(weights, begins)
     movement = np.maximum.reduceat(places, begins) - np.minimum.reduceat(places, begins)
+    movement[points == 1] = math.nan
     return TrueCuts(recording.time[first], means, movement)
 
 
