@@ -9,11 +9,14 @@ from dataclasses import dataclass
 from . import var
 from .axis_limits import AxisLimits
 from .computable_range import clamp
+from .grid import nearest_on_grid
+from .master import Master
 from .slave import Slave
 from .var import Enumeration
 
 PLAN_TOLERANCE = 1e-9  # of a limit: rounding of a plan
 SETPOINT_TOLERANCE = 1e-6  # of a limit: rounding of a setpoint, whose acceleration loses digits far from position 0
+POSITION_ROUNDING = 4e-16  # of a position: rounding of the way from one setpoint to the next
 END_POSITION_TOLERANCE = 1e-9  # of an end position, and of the travel in 1 s at the greatest velocity: rounding
 LARGEST_SHOWN_VALUE = 1e100  # a greater value is shown as this one
 VALUE = ("local.exceeded_value",)
@@ -80,6 +83,26 @@ class ExceededLimit:
         self.check_extremes(
             axis, SETPOINT_TOLERANCE, position, position, speed, acceleration, deceleration, abs(slave.jerk)
         )
+
+    def check_way(self, axis: AxisLimits, slave: Slave, before: float, turn: float, h: float, master: Master) -> None:
+        """Check the mean velocity of a step of h seconds, to this setpoint from the position `before`, u.
+
+        Where the position jumps, no setpoint shows that. An axis that turns has a `turn`, u, and is taken to go the
+        shorter way; of a linear axis it is 0. A setpoint that follows the master has the rounding of its position."""
+        way = slave.position - before
+        if turn > 0.0:
+            way -= nearest_on_grid(0.0, turn, way)
+        longest = axis.max_velocity * (1.0 + SETPOINT_TOLERANCE) * h
+        if not exceeds(abs(way), longest):
+            return
+        rounded = abs(slave.position)
+        if master.end_velocity != 0.0:
+            rounded += abs(master.end * slave.velocity / master.end_velocity)
+        velocity = abs(way) / h
+        is_first = self.limit == Limit.NONE or self.limit > Limit.MAX_VELOCITY
+        is_worse = self.limit == Limit.MAX_VELOCITY and velocity > self.value * (1.0 + SETPOINT_TOLERANCE)
+        if (is_first or is_worse) and abs(way) > longest + POSITION_ROUNDING * rounded:
+            self.set(Limit.MAX_VELOCITY, velocity)
 
     def check_extremes(
         self,

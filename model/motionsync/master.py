@@ -11,12 +11,11 @@ from . import var
 from .computable_range import clamp
 from .encoder_filter import EncoderFilter, correction, leading_acceleration
 from .grid import wrap
+from .input_watch import InputWarning, InputWatch
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
 
 UNCERTAIN_TIMES = 3.0  # of the reaction time: so long noise, or an overshoot, may move a measured path one way
-ROUNDED = 1e-8  # of the position: a second difference up to here may be rounding, and harms nobody
-ALTERNATIONS = 30  # of the second difference, between two values: no line does that, but a counter
 LARGEST_TURN_COUNT = 1e15  # with more turns the fraction of a turn is lost to rounding
 TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
@@ -46,42 +45,12 @@ class MasterInput(Enumeration):
     MEASURED = 4, "a measured position, smoothed and carried on over its delay"
 
 
-class InputWarning(Enumeration):
-    """What is wrong with the master's inputs"""
-
-    NONE = 0, "nothing that can be seen"
-    COUNTS = (
-        1,
-        "master.position comes in counts, as from an encoder, and the setpoint jumps with them; "
-        "master.input_mode MEASURED smooths it",
-        "master.position",
-    )
-
-
 class PathRefusal(Enumeration):
     """Why the master's path of a step is refused"""
 
     NONE = 0, "it is not"
     TURNS = 1, "it has too many turns"
     TRAVEL = 2, "it may be longer than the block allows"
-
-
-@dataclass(slots=True)
-class ResolutionWatch:
-    """Whether positions come in counts: those of a line of constant velocity have second differences of 0, one count
-    up and one down, the last two in turns. An ideal line has constant ones; noise has any.
-
-    `second_difference`, u, is the last one that is not 0 but for rounding."""
-
-    second_difference: float = 0.0
-    alternations: int = 0
-
-    def add(self, second_difference: float, is_regular: bool) -> None:
-        """A second difference, u, that is not 0; of steps of equal length, or not."""
-        error = abs(second_difference + self.second_difference)
-        is_alternating = is_regular and error <= 1e-3 * abs(second_difference)
-        self.alternations = min(self.alternations + 1, ALTERNATIONS) if is_alternating else 0
-        self.second_difference = second_difference
 
 
 @dataclass(slots=True)
@@ -96,8 +65,8 @@ class Master:
     In mode POSITION_ONLY velocity and acceleration are estimated from the present input and the two before it,
     `last_sample` and `second_last_sample`, with the lengths of the steps that followed each of them. The estimates are
     limited to +-1e12, as Real inputs are, so that samples taken at nearly the same instant cannot make them infinite.
-    START_OF_STEP and END_OF_STEP store the samples, too: `resolution` watches them, and single steps of START_OF_STEP
-    may come in between those of POSITION_ONLY.
+    All modes store the samples: `watch` looks for what is wrong with them, and single steps of START_OF_STEP may come
+    in between those of POSITION_ONLY.
 
     In mode MEASURED `encoder` estimates the motion of the line, and the path is led on to the estimate: it joins the
     path of the step before, without a correction. The parts of the path are what the slave follows, not what the inputs
@@ -134,7 +103,18 @@ class Master:
     )
     smoothed_velocity: float = var.local(0.0, "its velocity", Unit.VELOCITY, depends=VELOCITY_SOURCES)
     smoothed_acceleration: float = var.local(0.0, "its acceleration", Unit.ACCELERATION, depends=ACCELERATION_SOURCES)
-    input_warning: int = var.local(0, "1: the position comes in counts, and is not smoothed", codes=InputWarning)
+    input_warning: int = var.local(
+        0,
+        "what is wrong with the inputs: 1 counts of an encoder, 2 jumps of the position, 3 a velocity that is not the "
+        "position's, 5 a position that does not change; 2 to 5 until 10 s after it was seen last",
+        codes=InputWarning,
+    )
+    likely_period: float = var.snapshot(
+        0.0, "by how much the position jumped last: where its counter wraps, the period", Unit.POSITION
+    )
+    velocity_ratio: float = var.snapshot(
+        0.0, "the velocity by that of the position, where they contradicted each other last"
+    )
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0
@@ -149,7 +129,7 @@ class Master:
     second_last_sample: float = 0.0
     second_last_step: float = 0.0
     encoder: EncoderFilter = var.part(EncoderFilter)
-    resolution: ResolutionWatch = var.part(ResolutionWatch)
+    watch: InputWatch = var.part(InputWatch)
     fastest: float = 0.0
 
     def try_initialize(self) -> bool:
@@ -285,22 +265,29 @@ class Master:
         return self.velocity, self.acceleration
 
     def add_sample(self, position: float, h: float) -> None:
-        """Store an input, unwrapped, and warn where inputs come in counts."""
-        change = position - self.last_sample
-        second_difference = change - (self.last_sample - self.second_last_sample)
-        if abs(second_difference) > ROUNDED * (abs(position) + abs(change)):
-            self.watch_resolution(second_difference, h)
-        self.samples = min(self.samples + 1, 3)
+        """Store an input, unwrapped, for the estimates of the next ones."""
+        is_at_end = self.input_mode == MasterInput.END_OF_STEP
         self.second_last_sample = self.last_sample
+        self.watch_sample(position, h if is_at_end else self.last_step)
+        self.samples = min(self.samples + 1, 3)
         self.second_last_step = self.last_step
-        self.last_sample = position
         self.last_step = h
 
-    def watch_resolution(self, second_difference: float, h: float) -> None:
-        """Warn of inputs that come in counts; one with this second difference, u, is that of a step of h seconds."""
-        self.resolution.add(second_difference, abs(h - self.last_step) <= 1e-9 * h)
-        if self.resolution.alternations == ALTERNATIONS:
-            self.input_warning = InputWarning.COUNTS
+    def watch_sample(self, position: float, interval: float) -> None:
+        """Take an input, unwrapped, so many seconds after the one before, and look at it."""
+        watch = self.watch
+        change = position - self.last_sample
+        self.last_sample = position
+        if self.input_mode != MasterInput.MEASURED:
+            watch.add_unsmoothed(position, change, interval)
+        has_velocity = self.input_mode in (MasterInput.START_OF_STEP, MasterInput.END_OF_STEP)
+        velocity = self.velocity if has_velocity else 0.0
+        acceleration = self.acceleration if has_velocity else 0.0
+        watch.add(position, change, interval, has_velocity, velocity, acceleration)
+        if watch.code != self.input_warning or watch.code > InputWarning.COUNTS:
+            self.input_warning = watch.code
+            self.likely_period = watch.likely_period
+            self.velocity_ratio = watch.velocity_ratio
 
     def try_follow_measurement(self, h: float, longest: float) -> PathRefusal:
         """Set the path that leads on to the estimate from the measurements."""
@@ -314,6 +301,7 @@ class Master:
         if self.has_too_many_turns(end):
             return PathRefusal.TURNS
         if encoder.is_due:
+            self.watch_sample(self.unwrap_input(encoder.expected_position), encoder.age)
             encoder.set(position, velocity, acceleration, path_acceleration)
         encoder.advance(h, self.smoothing_time, self.sample_time)
         self.set_path(h, self.end, self.end_velocity, path_acceleration, end)
@@ -336,6 +324,7 @@ class Master:
         self.encoder.sample_clock.start(0.0)
         self.encoder.advance(h, self.smoothing_time, self.sample_time)
         self.set_path(h, begin, velocity, self.acceleration, end)
+        self.watch_sample(measured, h)
         self.samples = 1
         self.fastest = max(self.fastest, abs(self.end_velocity))
         return PathRefusal.NONE

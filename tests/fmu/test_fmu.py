@@ -145,6 +145,8 @@ def test_the_interface_is_the_specified_one(fmu: Path) -> None:
         "master.smoothed_velocity": ("local", "continuous", "Real", None),
         "master.smoothed_acceleration": ("local", "continuous", "Real", None),
         "master.input_warning": ("local", "discrete", "Integer", None),
+        "master.likely_period": ("local", "discrete", "Real", None),
+        "master.velocity_ratio": ("local", "discrete", "Real", None),
         "curve": ("parameter", "fixed", "Enumeration", "2"),
         "output_phasing": ("parameter", "tunable", "Real", "90.0"),
         "active": ("input", "discrete", "Boolean", "true"),

@@ -1,8 +1,7 @@
 """The master axis against exact rational numbers: its input modes, periods and input corrections."""
 
 import math
-import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from copy import deepcopy
 from fractions import Fraction
 from itertools import pairwise
@@ -14,7 +13,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from motionsync.grid import wrap
-from motionsync.master import InputWarning, Master, MasterInput
+from motionsync.master import Master, MasterInput
 from motionsync.master_path import MasterPath
 from tests.model.exact_paths import (
     EPS,
@@ -518,54 +517,3 @@ def test_a_master_at_rest_stays_at_rest(mode: MasterInput) -> None:
 def test_the_position_is_wrapped_into_its_period() -> None:
     assert [wrap(x, 360.0) for x in (0.0, 360.0, 370.0, -10.0, -360.0, -1e-20)] == [0.0, 0.0, 10.0, 350.0, 0.0, 0.0]
     assert [wrap(x, 0.0) for x in (-5.0, 1e12)] == [-5.0, 1e12]
-
-
-# --- positions that come in counts ------------------------------------------------------------------------------------
-
-MODES = [MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY]
-
-
-def warned_after(mode: MasterInput, positions: Iterable[float], h: float = 1e-3, period: float = 0.0) -> int | None:
-    """The number of steps after which the master warns of its inputs; None: it does not."""
-    master = Master(input_mode=mode, period=period)
-    assert master.try_initialize()
-    for n, position in enumerate(positions):
-        master.position = position
-        assert master.try_advance(h)
-        master.rebase()
-        if master.input_warning:
-            assert master.input_warning == InputWarning.COUNTS
-            return n + 1
-    return None
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize(
-    ("velocity", "resolution", "period"),
-    [(333.3, 0.1, 0.0), (-90.7, 0.1, 0.0), (333.3, 0.001, 0.0), (333.3, 0.1, 360.0), (17.0, 1.0, 0.0)],
-)
-def test_counts_of_an_encoder_are_warned_of(
-    mode: MasterInput, velocity: float, resolution: float, period: float
-) -> None:
-    line = (math.floor(velocity * n * 1e-3 / resolution) * resolution for n in range(4000))
-    positions = (x % period if period else x for x in line)
-    assert warned_after(mode, positions, period=period)
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("h", [1e-3, 0.1])
-def test_no_ideal_line_is_warned_of(mode: MasterInput, h: float) -> None:
-    """Constant velocity and acceleration, sines up to the sampling theorem's limit, far from 0, and what noise does."""
-    r = random.Random(1)
-    t = [n * h for n in range(2000)]
-    for position in (0.0, 1e9):
-        assert warned_after(mode, [position + 333.3 * x for x in t], h) is None
-        assert warned_after(mode, [position + 333.3 * x - 50.0 * x * x for x in t], h) is None
-        assert warned_after(mode, [position + 500.0 * x + r.gauss(0.0, 0.1) for x in t], h) is None
-    for share in (0.01, 0.3, 0.9):
-        assert warned_after(mode, [100.0 * math.sin(share * math.pi * n) for n in range(2000)], h) is None
-    assert warned_after(mode, [333.3 * x % 360.0 for x in t], h, period=360.0) is None
-
-
-def test_a_smoothed_line_is_not_warned_of() -> None:
-    assert warned_after(MasterInput.MEASURED, (math.floor(3.333 * n) * 0.1 for n in range(4000))) is None

@@ -380,7 +380,7 @@ def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(cyclic_cut: Run
     (right,) = [t for t in named(chart, "master") if t["yaxis"] not in ("y2", "y3", "y4")]
     assert right["yaxis"] != "y"
     assert chart.layout[right["yaxis"].replace("y", "yaxis")]["side"] == "right"
-    assert {"position in mm", "master in mm"} <= set(notes(chart))
+    assert {"slave position in mm", "master in mm"} <= set(notes(chart))
     assert max(saw["y"]) == pytest.approx(recording.values["slave.position"].max(), rel=1e-6)
 
 

@@ -104,6 +104,27 @@ def test_wrapped_positions_go_on_in_the_nearest_turn(tmp_path: Path) -> None:
     assert max(positions(scenario)) < 10.0
 
 
+@pytest.mark.parametrize("period", [0.0, 12.0])
+def test_a_counter_that_wraps_jumps_in_no_time(tmp_path: Path, period: float) -> None:
+    """0.3 a row of 0.1 s, and a counter of 12. The rows 40 and 80 are after a wrap: up to there the line goes on."""
+    rows = "".join(f"{n / 10},{round(0.3 * n % 12.0, 9)}\n" for n in range(100))
+    line = load(tmp_path, rows, TEXT.replace('period" = 0.0', f'period" = {period}')).master
+    for n in (40, 80):
+        start = 0.3 * n if period else 0.0
+        near = [line.at(n / 10 + t).position for t in (-0.05, -0.001, 0.0, 0.05)]
+        before = 0.3 * n if period else 12.0
+        assert near == pytest.approx([before - 0.15, before - 0.003, start, start + 0.15])
+
+
+def test_a_line_that_starts_stops_or_turns_at_once_does_not_jump(tmp_path: Path) -> None:
+    """From 0.01 a row to 0.3, and back with 5 for two rows; and at last one row of 1, no more than it ever did."""
+    steps = [*[0.01] * 40, *[0.3] * 10, *[0.0] * 10, -5.0, -5.0, *[0.0] * 10, 1.0, *[0.0] * 5]
+    places = np.concatenate([[0.0], np.cumsum(steps)])
+    line = load(tmp_path, "".join(f"{n / 10},{p:.9f}\n" for n, p in enumerate(places))).master
+    middle = [line.at((n + 0.5) / 10).position for n in range(len(steps))]
+    assert middle == pytest.approx((0.5 * (places[1:] + places[:-1])).tolist(), abs=1e-8)
+
+
 def test_the_velocity_at_the_start_is_the_mean_of_a_tenth_of_a_second(tmp_path: Path) -> None:
     """Neighbouring rows alone say 0 or 100 u/s: they are rounded."""
     rows = "".join(f"{i / 100},{i // 2}\n" for i in range(40))

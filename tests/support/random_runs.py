@@ -11,16 +11,17 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from tests.support.by_block import load_test_module
 from tests.support.runs import BlockRun, Strategy
+from tests.support.wrong_inputs import with_wrong_inputs
 
 
 def load_strategy(name: str) -> Strategy:
-    """The strategy of the block of that name.
+    """The strategy of the block of that name; with a master, also of wrong inputs.
 
     Raises:
         LookupError: the block has none.
     """
-    load_strategy: Strategy = load_test_module(name, "strategies").STRATEGY
-    return load_strategy
+    strategy: Strategy = load_test_module(name, "strategies").STRATEGY
+    return with_wrong_inputs(strategy) if "master.input_warning" in Recipe(name).variables else strategy
 
 
 class _Enough(BaseException):

@@ -174,9 +174,9 @@ def _axis(s: Scenario) -> str:
 
 
 def _recorded(s: Scenario) -> dict[str, Any]:
-    """A recorded line: its rows, with unwrapped positions, and the velocity with which it starts."""
-    times, positions = np.array(s.master.breaks).tolist(), s.master.table()[:, 0].tolist()
-    return {"times": times, "positions": positions, "velocity": s.master.initial.velocity}
+    """A recorded line: its rows, with unwrapped positions and the velocities after them, and that at the start."""
+    times, motions = np.array(s.master.breaks).tolist(), s.master.table()[:, :2].tolist()
+    return {"times": times, "motions": motions, "velocity": s.master.initial.velocity}
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:

@@ -95,14 +95,11 @@ class Script {
     this.motions.push([ending[0], ending[1], 0, 0]);
   }
 
-  /** A recorded line, of which positions at times are known. */
-  static recorded({times, positions, velocity}) {
-    const line = new Script({position: positions[0], velocity});
+  /** A recorded line, of which positions at times are known, and the velocities from each to the next. */
+  static recorded({times, motions, velocity}) {
+    const line = new Script({position: motions[0][0], velocity});
     line.breaks = times;
-    line.motions = positions.map((p, i) => {
-      const k = Math.min(i, positions.length - 2);
-      return [p, (positions[k + 1] - positions[k]) / (times[k + 1] - times[k]), 0, 0];
-    });
+    line.motions = motions.map(([p, v]) => [p, v, 0, 0]);
     line.points = times.slice(0, 1);
     line.isRecorded = true;
     return line;

@@ -1,4 +1,7 @@
-"""A recorded line: positions at times, as an encoder measured them, and straight lines between them."""
+"""A recorded line: positions at times, as an encoder measured them, and straight lines between them.
+
+A counter that wraps makes a jump from one row to the next. No encoder has seen what a straight line between these two
+would be, and to a block it would be a fast line; so the line goes on as before until the second one."""
 
 from functools import cached_property
 
@@ -10,6 +13,9 @@ from .script import AxisMotion, Script
 START_SPAN = 0.1 * (
     1.0 - 1e-9
 )  # s: how long the recording's beginning is from which the velocity at the start is taken
+JUMP = 10.0  # times all velocities before it: from row to row no line is so much faster, ...
+CALM = 0.1  # ... and then, in the next row, slower than this share of it
+FIRST = 30  # of the rows that may be one; before it too little has been seen of the line
 
 
 class Trace(Script):
@@ -27,7 +33,7 @@ class Trace(Script):
             steps = np.diff(positions)
             steps -= period * np.rint(steps / period)
             positions = positions[0] + np.concatenate([[0.0], np.cumsum(steps)])
-        velocities = np.diff(positions) / np.diff(breaks)
+        velocities = _between_jumps(np.diff(positions) / np.diff(breaks))
         self._table = np.zeros((len(breaks), 4))
         self._table[:, 0] = positions
         self._table[:, 1] = np.append(velocities, velocities[-1])
@@ -49,3 +55,16 @@ class Trace(Script):
     def start_motion(self, delay: float) -> AxisMotion:
         """The mean motion of the beginning: neighbouring positions alone would show their rounding."""
         return self.initial
+
+
+def _between_jumps(velocities: Reals) -> Reals:
+    """The velocities from row to row, shape (rows - 1,), with that of the row before in place of each jump."""
+    speeds = np.abs(velocities)
+    sudden = np.append(speeds[1:] <= CALM * speeds[:-1], False)
+    fastest = np.maximum.accumulate(np.where(sudden, 0.0, speeds))
+    before = np.concatenate([[0.0], fastest[:-1]])
+    jumps = np.flatnonzero(sudden & (before > 0.0) & (speeds > JUMP * before))
+    jumps = jumps[jumps >= FIRST]
+    result = velocities.copy()
+    result[jumps] = velocities[jumps - 1]
+    return result

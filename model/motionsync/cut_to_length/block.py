@@ -110,8 +110,9 @@ class CutToLength(CutToLengthInterface):
             if section == 0:
                 self.obey()
         self.advance_clocks(h)
+        before = self.slave.position
         self.show_motion()
-        self.show()
+        self.show(before, h)
         self.rebase()
         self.operation.has_stepped = True
         return Refusal.NONE
@@ -643,8 +644,8 @@ class CutToLength(CutToLengthInterface):
         show_piece(self, self.carriage, self.material.piece)
         show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
 
-    def show(self) -> None:
-        """What is shown of the machine from the first step on."""
+    def show(self, before: float, h: float) -> None:
+        """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         carriage = self.carriage
         material = self.material
         show_state(self, carriage, self.operation.fault, self.operation.pieces.fault)
@@ -652,7 +653,7 @@ class CutToLength(CutToLengthInterface):
             self.blade.update(self.tool, carriage.cycle_machine.retract_time)
         show_orders(self.order, material.orders)
         self.local.marks_waiting = material.marks.waiting
-        show_warnings(self, carriage, self.exceeded)
+        show_warnings(self, carriage, self.exceeded, before, h)
         self.local.ease = carriage.homing.share
         self.local.no_length = material.missing_length() if self.running else NoLength.NONE
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)

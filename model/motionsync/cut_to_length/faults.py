@@ -4,12 +4,12 @@ The numbers are our own. An invalid parameter changes nothing by itself: no piec
 it, a cycle under way ends with the values it began with, a command that reads it is refused.
 """
 
+from ..cutting.faults import LONG_TRAVEL
 from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 END_POSITIONS = ("axis.min_position", "axis.max_position")
 START_POSITIONS = ("axis.initial_position", "axis.min_position", "axis.max_position")
-MASTER = ("master.position", "master.velocity", "master.acceleration")
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
 MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
@@ -47,7 +47,7 @@ class Refusal(Enumeration):
     HOME = 2, *HOME_BETWEEN_ENDS
     INITIAL_POSITION = 3, "axis.initial_position must be between the software end positions", *START_POSITIONS
     WINDOW = 4, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
-    TRAVEL = 5, "the master must not travel more than 1e4 of the shortest piece in one step", *MASTER
+    TRAVEL = 5, *LONG_TRAVEL
 
 
 class SawParameter(Enumeration):

@@ -140,6 +140,7 @@ class Warnings:
     mark_refused: bool = var.local(False, "at a mark no piece could end; until the next accepted one")
     no_length: bool = var.local(False, "no length is given for the next piece")
     change_pending: bool = var.local(False, "a new length waits until the piece in progress has ended")
+    master_input: bool = var.local(False, "master.input_warning is above 1: the line's position or velocity is wrong")
 
 
 @dataclass(slots=True)

@@ -4,6 +4,7 @@ from ..cutting.interface import PieceKind, Source
 from ..cutting.piece import PieceInProgress
 from ..exceeded_limit import ExceededLimit, Limit
 from ..grid import wrap
+from ..input_watch import InputWarning
 from .carriage import Carriage, Stage
 from .faults import Fault
 from .interface import CutToLengthInterface, State
@@ -85,8 +86,10 @@ def show_approach(block: CutToLengthInterface, carriage: Carriage, cut: float) -
             block.next_cut.distance = (home + distance) / k - beyond_cut
 
 
-def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: ExceededLimit) -> None:
-    """All warnings but those that their events set."""
+def show_warnings(
+    block: CutToLengthInterface, carriage: Carriage, exceeded: ExceededLimit, before: float, h: float
+) -> None:
+    """All warnings but those that their events set; the step took h seconds, from the setpoint `before`."""
     velocity = block.master.end_velocity
     machine = carriage.machine
     warning = block.warning
@@ -101,6 +104,8 @@ def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: Exc
         exceeded.check_setpoint(block.axis, block.slave)
         if carriage.stage in (Stage.HOMING, Stage.RETURNING):
             exceeded.include(carriage.homing_start.exceeded)
+    exceeded.check_way(block.axis, block.slave, before, 0.0, h, block.master)
+    warning.master_input = block.master.input_warning > InputWarning.COUNTS
     warning.limit_exceeded = exceeded.limit != Limit.NONE
     block.local.exceeded_limit = exceeded.limit
     block.local.exceeded_value = exceeded.value
@@ -117,4 +122,5 @@ def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: Exc
         or warning.mark_refused
         or warning.no_length
         or warning.change_pending
+        or warning.master_input
     )

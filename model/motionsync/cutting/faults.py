@@ -5,6 +5,14 @@ from ..var import Enumeration
 REFUSED_MARK = ("local.refused_mark", "statistics.marks_refused", "mark.sensor_distance", "mark.cut_offset")
 NEXT_LENGTH = ("length", "order.length_active", "length_correction", "kerf")
 LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
+LONG_TRAVEL = (  # a refusal's text and the variables it names
+    "the master must not travel more than 1e4 of the shortest piece in one step; if its counter wraps there, set "
+    "master.period",
+    "master.position",
+    "master.velocity",
+    "master.acceleration",
+    "master.period",
+)
 
 
 class MarkRefusal(Enumeration):

@@ -97,6 +97,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the input correction, the commands, then the path of the step."""
+        before = self.slave.position
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
         self.travel(0)
@@ -106,7 +107,7 @@ class FlyingSaw(FlyingSawInterface):
         self.motion.advance(h)
         self.halt_time += h
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
-        self.check_limits()
+        self.check_limits(before, h)
         self.show()
         self.rebase()
         return Refusal.NONE
@@ -584,11 +585,13 @@ class FlyingSaw(FlyingSawInterface):
             case _:
                 return False
 
-    def check_limits(self) -> None:
-        """Find the limit of the axis that the setpoint exceeds; what the plan exceeds ends with the planned motion."""
+    def check_limits(self, before: float, h: float) -> None:
+        """Find the limit of the axis that the setpoint exceeds, or the way to it from the one `before`, of h seconds;
+        what the plan exceeds ends with the planned motion."""
         if self.planned_exceeded.limit != Limit.NONE and self.is_planned_motion_over():
             self.planned_exceeded.clear()
         self.present_exceeded.check_setpoint(self.axis, self.slave)
+        self.present_exceeded.check_way(self.axis, self.slave, before, 0.0, h, self.master)
 
     # --- the outputs ---
 

@@ -138,8 +138,9 @@ class RotaryKnife(RotaryKnifeInterface):
             if section == 0:
                 self.obey()
         self.advance_clocks(h)
+        before = self.slave.position
         self.show_motion()
-        self.show()
+        self.show(before, h)
         self.rebase()
         self.operation.has_stepped = True
         return Refusal.NONE
@@ -859,8 +860,8 @@ class RotaryKnife(RotaryKnifeInterface):
             self, self.knife_data, self.material, self.last_window, self.piece_window, is_out_of_rest
         )
 
-    def show(self) -> None:
-        """What is shown of the machine from the first step on."""
+    def show(self, before: float, h: float) -> None:
+        """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         material = self.material
         show_state(self, self.cycle.stage, self.operation.fault, self.operation.pieces.fault)
         show_orders(self.order, material.orders)
@@ -869,6 +870,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.exceeded.clear()
         else:
             self.exceeded.check_setpoint(self.axis_limits, self.slave)
+        self.exceeded.check_way(self.axis_limits, self.slave, before, self.knife_data.turn, h, self.master)
         window = self.predictions.window
         show_warnings(
             self,

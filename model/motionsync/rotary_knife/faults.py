@@ -5,10 +5,10 @@ Why a command is refused and why the machine stops is the same for all machines 
 it is refused, a cycle under way ends with the values it began with.
 """
 
+from ..cutting.faults import LONG_TRAVEL
 from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
-MASTER = ("master.position", "master.velocity", "master.acceleration")
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
 MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
@@ -71,7 +71,7 @@ class Refusal(Enumeration):
         *ALLOWED,
     )
     MARK_WINDOW = 3, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
-    TRAVEL = 4, "the master must not travel more than 1e4 of the shortest piece in one step", *MASTER
+    TRAVEL = 4, *LONG_TRAVEL
     PARK_ANGLE = (
         5,
         "knife.park_angle must be 0, or local.allowed_from to local.allowed_to, which is between two windows",

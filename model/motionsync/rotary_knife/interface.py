@@ -194,6 +194,7 @@ class Warnings:
     mark_refused: bool = var.local(False, "at a mark no piece could end; until the next accepted one")
     no_length: bool = var.local(False, "no length is given for the next piece, or none that can be cut")
     change_pending: bool = var.local(False, "a new length, or a cut_now, waits until the piece in progress has ended")
+    master_input: bool = var.local(False, "master.input_warning is above 1: the line's position or velocity is wrong")
 
 
 @dataclass(slots=True)

@@ -5,6 +5,7 @@ from ..cutting.interface import PieceKind, Source
 from ..cutting.piece import PieceInProgress
 from ..exceeded_limit import ExceededLimit, Limit
 from ..grid import wrap
+from ..input_watch import InputWarning
 from .curves import Peaks
 from .cycle import Stage
 from .interface import RotaryKnifeInterface, State
@@ -86,6 +87,7 @@ def show_warnings(
     warning.no_length = block.running and block.source == Source.LENGTH and not block.next_cut.known
     warning.change_pending = is_change_pending
     warning.limit_exceeded = is_ramp_too_fast or exceeded.limit != Limit.NONE
+    warning.master_input = block.master.input_warning > InputWarning.COUNTS
     block.local.exceeded_limit = exceeded.limit
     block.local.exceeded_value = exceeded.value
     warning.any = (
@@ -98,4 +100,5 @@ def show_warnings(
         or warning.mark_refused
         or warning.no_length
         or warning.change_pending
+        or warning.master_input
     )

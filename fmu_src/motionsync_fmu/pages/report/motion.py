@@ -99,7 +99,7 @@ def _draw_motion(chart: Chart, scenario: Scenario, recording: Recording, followe
             units[0] != units[1] or (name == "position" and _differ_in_span(master, slave))
         )
         axis = chart.add_right_axis(i, with_unit(followed, units[0]), MASTER) if separate else i
-        chart.write_title(i, with_unit(name, units[1]))
+        chart.write_title(i, with_unit(f"slave {name}" if separate else name, units[1]))
         followers = (axis, followed, master, Style(MASTER, 1.5)), (i, "slave", slave, Style(SLAVE, 2.2))
         for (row, who, values, style), unit, gap in zip(followers, units, gaps, strict=True):
             chart.draw_curve(
