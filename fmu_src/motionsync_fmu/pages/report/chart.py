@@ -76,6 +76,7 @@ class Chart:
             | {"uirevision": "kept"},  # which curves are hidden
             "annotations": [],
             "shapes": [],
+            "template": {"data": {"scatter": [{"line": {"simplify": False}}]}},  # else curves have corners
             "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span), "right": RIGHT},
             "xaxis": self._axis() | {"title": {"text": self.title}, "range": list(self.span)},
         }
