@@ -74,7 +74,7 @@ CASES = Cases(
         ),
         Steady(
             "parking after a fault",
-            start=AFTER_TRIM | {"length": 1e-3, "late_mode": LateMode.STOP_LINE, "axis.max_velocity": 1e-5},
+            start=AFTER_TRIM | {"length": 1.0, "late_mode": LateMode.STOP_LINE, "axis.max_velocity": 1e-5},
             begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.FAULT},

@@ -21,7 +21,8 @@ The meeting:
   as k or C lets no start be computed. `space_stop_slave` <= 0 (linear) and a negative wait or slave_cycle are 3.
 - `master_to_*`: 0 in idle, positioning and alarm, and of a movement without stop in park `master_to_start`. At park
   they go by the parameters of now. A variable value given in decel or homing is the next meeting.
-- A skipped start stays skipped, should the master come back to it at park; skipped or missed, the state is
+- A skipped cycle stays skipped, should the master come back to its start at park, or sync_master change: as after a
+  synchronized phase, a meeting belongs to the cycle whose meeting is the nearest. Skipped or missed, the state is
   M_WAITING_NEXT_CYCLE until Q + C - M_f - wait even if a new value in reach has come meanwhile.
 - Too late for this cycle (fixed): the start to its meeting is behind the master. That meeting is the next one ahead of
   the master (not the one where it is) or, where one was expected already, the one nearest to that. M_WAITING_NEXT_CYCLE
@@ -146,7 +147,8 @@ class FollowerRun(MasterCrossings, EventRun):
     `phase`: the cycle's, None in idle and alarm; in positioning the one aimed at. `aimed_at`: the master's position
     during positioning to the cycle. `largest`: that of the master since leaving park. `pending`: a variable value that
     no cycle has used yet, `used`: that of the cycle that runs. `last_meeting`: that of the last synchronized phase.
-    `skipped`: the last start not carried out, `window`: up to where M_WAITING_NEXT_CYCLE lasts.
+    `earliest`: no meeting before it, since that of the cycle that was skipped is nearer; `window`: up to where
+    M_WAITING_NEXT_CYCLE lasts.
     """
 
     def __init__(self, script: Mapping[str, Any], horizon: Number) -> None:
@@ -164,7 +166,7 @@ class FollowerRun(MasterCrossings, EventRun):
         self.moves: list[tuple[Number, Number]] = []
         self.timed_end = mp.inf
         self.aimed_at: Number | None = None
-        self.largest = self.skipped = self.last_meeting = -mp.inf
+        self.largest = self.earliest = self.last_meeting = -mp.inf
         self.window: Number | None = None
         self.used: Number | None = None
         self.pending: Number | None = self._occurrence() if self.variable else None
@@ -238,9 +240,9 @@ class FollowerRun(MasterCrossings, EventRun):
             start = phase.points[0]
             if self.stretch.direction >= 0:
                 possible.append((self._reaches(start, until), self._start))
-            earlier, tolerance = start - phase.values.cycle, TIE * phase.values.cycle
-            if not self.variable and earlier > self.skipped + tolerance:
-                possible.append((self._falls(earlier, until, touching=True), self._choose))
+            cycle = phase.values.cycle
+            if not self.variable and phase.points[1] - cycle >= self.earliest:
+                possible.append((self._falls(start - cycle, until, touching=True), self._choose))
         return possible
 
     # --- present values -------------------------------------------------------------------------------------------
@@ -267,7 +269,7 @@ class FollowerRun(MasterCrossings, EventRun):
         """The slave has reached park, by positioning or homing."""
         self.phase, self.state, self.law = phase, WAITING, phase.law
         self.used, self.window = None, None
-        self.skipped = self.largest = -mp.inf
+        self.earliest = self.largest = -mp.inf
         self.log.append((self.time, "at park"))
         self._choose()
 
@@ -282,9 +284,7 @@ class FollowerRun(MasterCrossings, EventRun):
         meeting: Number | None = None
         if not self.variable:
             value = mp.mpf(self.inputs["sync_master"]) - values.shift
-            meeting = first_not_before(value, values.cycle, self._master_position() + ramp)
-            while meeting - ramp <= self.skipped + tolerance:
-                meeting += values.cycle
+            meeting = first_not_before(value, values.cycle, max(self._master_position() + ramp, self.earliest))
             lowest = self._master_position() + 2 * tolerance
             if phase.meeting is not None:
                 lowest = phase.meeting - values.cycle / 2
@@ -327,7 +327,7 @@ class FollowerRun(MasterCrossings, EventRun):
         values, (begin, meeting, _) = phase.values, phase.points
         if self._to_skip():
             self.log.append((self.time, "start skipped"))
-            self.skipped, self.pending = begin, None
+            self.earliest, self.pending = meeting + values.cycle / 2, None
             self._wait_for_next(begin + values.cycle - values.wait)
             self._choose()
         elif values.fault:
@@ -526,7 +526,7 @@ class FollowerRun(MasterCrossings, EventRun):
         if goal.state == WAITING:
             self._rest_at_park(goal)
         else:
-            self.skipped, self.window, self.largest = -mp.inf, None, aimed_at
+            self.earliest, self.window, self.largest = -mp.inf, None, aimed_at
             self._enter_phase(goal)
 
     # --- faults ---------------------------------------------------------------------------------------------------

@@ -39,7 +39,7 @@ def pieces(*errors: float, tolerance: float = 0.1) -> TruePieces:
     made = tuple(TruePiece(i, float(i), 800.0 + error, 800.0, 800.0) for i, error in enumerate(errors, 1))
     sigma = float(np.std(errors, ddof=1)) if len(errors) > 1 else float("nan")
     worst = max(errors, key=abs)
-    return TruePieces(made, 800.0 + float(np.mean(errors)), sigma, worst, 1.0, 0.0, tolerance, tolerance, "mm", 1e3)
+    return TruePieces(made, 800.0 + float(np.mean(errors)), sigma, worst, 1.0, 0.0, tolerance, tolerance, "mm", 1e4)
 
 
 def test_the_bars_of_the_histogram_hold_each_piece_once() -> None:

@@ -526,7 +526,8 @@ class FlyingSaw(FlyingSawInterface):
 
     def try_event_parked(self, section: int, end: float) -> bool:
         """The master passes the coupling position forwards; a waiting command keeps the slave parked."""
-        if self.waiting or self.distance_beyond_coupling(end) <= 0.0:
+        is_against = self.master.goes_against(self.direction, section, end - self.reached_position)
+        if self.waiting or is_against or self.distance_beyond_coupling(end) <= 0.0:
             return False
         self.reached_position = self.coupling_position
         self.couple_again(self.master.path.crossing_time(section, self.coupling_position))

@@ -37,8 +37,8 @@ class CycleState:
     step: a prediction that was too high is corrected by the next input, which is no backward travel. `highest` includes
     all predictions; the slave does not go back behind it.
 
-    At the park, no meeting of a fixed cycle is chosen before `earliest_next_meeting`. WAITING_NEXT_CYCLE ends where the
-    master is at `next_cycle_from`.
+    At the park, no meeting of a fixed cycle is chosen before `earliest_next_meeting`: one before it belongs to the cycle
+    that was skipped last. WAITING_NEXT_CYCLE ends where the master is at `next_cycle_from`.
     """
 
     stage: Stage = Stage.IDLE
@@ -106,7 +106,6 @@ class CycleState:
 
     def enter_waiting(self) -> None:
         self.stage = Stage.WAITING
-        self.earliest_next_meeting = -FAR
 
     def enter_waiting_next_cycle(self, until: float) -> None:
         self.stage = Stage.WAITING_NEXT_CYCLE
@@ -158,6 +157,7 @@ class CycleState:
         self.has_meeting = False
         self.is_approach_shortened = False
         self.last_meeting = -FAR
+        self.earliest_next_meeting = -FAR
 
     def start_approach(self) -> None:
         """From the park to (Q, sync_slave) with d1 = k: a simple jerk ramp; a shorter approach is a quintic."""

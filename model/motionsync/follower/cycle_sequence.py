@@ -109,7 +109,6 @@ class CycleSequence:
                 parameters.local.drop_reason = DropReason.MISSED
             self.meetings.has_new_value = False
             self.try_miss_start(parameters, master, meeting + parameters.master_cycle - approach)
-            self.current.earliest_next_meeting = -FAR
         return True
 
     def try_miss_start(self, parameters: FollowerInterface, master: float, next_start: float) -> bool:

@@ -78,6 +78,23 @@ def test_in_sync_the_backstop_with_the_instant_stop() -> None:
     assert not saw["in_sync"]
 
 
+@pytest.mark.parametrize("correction", [1e-14, 0.01])  # rounding, and what a predicted path is off by
+@pytest.mark.parametrize("modes", [(), ("time_based",)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_input_that_is_ahead_of_the_path_of_a_master_that_goes_back_is_no_passing_forwards(
+    sign: float, modes: tuple[str, ...], correction: float
+) -> None:
+    """Coupled at 0, the master turns. A step ends just behind 0, and the next input is just before it, still backwards."""
+    saw = FlyingSawHarness(speed=sign * 400.0).modes("rollback_lock", "instant_stop_on_rollback", *modes)
+    saw.give("gear_in_velo", acceleration=500.0, deceleration=500.0).run(0.1)
+    saw.speed = sign * -300.0
+    saw.run((40.0 + correction) / 300.0)
+    position, *_ = saw.slave
+    assert (saw.state, saw.slave) == (State.PREPHASE, (position, 0.0, 0.0))
+    saw.master_position = sign * correction
+    assert (saw.run(0.5).state, saw.slave) == (State.PREPHASE, (position, 0.0, 0.0))
+
+
 @pytest.mark.parametrize("modes", [(), ("rollback_lock",), ("instant_stop_on_rollback",)])
 def test_forwards_again_the_synchronisation_is_planned_anew(modes: tuple[str, ...]) -> None:
     """The parked slave meets the master at 1000/1000 again, and the coupling position stays where it was."""

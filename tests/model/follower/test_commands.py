@@ -19,6 +19,29 @@ def test_a_start_is_not_carried_out_while_a_level_is_set(name: str) -> None:
     assert follower.to(1900.0).slave == near(18.75, 50.0, 75.0)
 
 
+@pytest.mark.parametrize("turns_at", [1650.0, 1750.0])  # while the next cycle is awaited, or after that
+def test_a_skipped_cycle_stays_skipped_if_the_master_comes_back(turns_at: float) -> None:
+    """The start at 800 is skipped; the next is at 1800, and it is waited for from 1700 on."""
+    follower = parked(space_wait_in_park=100.0).to(790.0).set({"skip_next_cycle": True}).to(810.0)
+    follower.set({"skip_next_cycle": False}).to(turns_at)
+    follower.speed = -100.0
+    follower.to(650.0)
+    follower.speed = 100.0
+    assert follower.to(900.0).missing == near(900.0, 1100.0, 1300.0)
+    assert follower.to(1900.0).position == near(18.75)
+
+
+@pytest.mark.parametrize("change", [-300.0, 300.0])
+def test_a_meeting_that_moves_by_less_than_half_a_cycle_after_the_skip_is_skipped_too(change: float) -> None:
+    """The start at 800 to the meeting at 1000 is skipped. The next meeting is a cycle after where it is now."""
+    follower = parked().to(790.0).set({"skip_next_cycle": True}).to(810.0)
+    follower.set({"skip_next_cycle": False, "sync_master": 1000.0 + change}).to(820.0)
+    assert (follower.state, follower.missing) == (
+        State.M_WAITING_NEXT_CYCLE,
+        near(980.0 + change, 1180.0 + change, 1380.0 + change),
+    )
+
+
 @pytest.mark.parametrize("name", ["skip_next_cycle", "sync_assumed"])
 def test_a_level_set_after_the_start_does_not_matter_to_this_cycle(name: str) -> None:
     follower = parked().to(801.0).set({name: True}).to(1100.0)

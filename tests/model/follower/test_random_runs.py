@@ -1,5 +1,5 @@
 """The Follower on random machines is its oracle: linear slaves and cyclic ones, fixed and variable cycles, with values
-of sync_master that come in time, late, or too soon."""
+of sync_master that come in time, late, or too soon, and cycles that are skipped."""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -13,11 +13,12 @@ from tests.oracle.follower import events, reference
 SPEED = 200.0  # of the master, u/s
 STOP = 12.0  # s
 STEP = 0.05  # s
-EXPECTED = {"start missed", "value too soon", "recovered", "waiting", "following", "decel", "homing"}
+EXPECTED = {"start missed", "start skipped", "value too soon", "recovered", "waiting", "following", "decel", "homing"}
 
 
 def random_script(r: Random) -> dict[str, Any]:
-    """Positioned at 0.1 s; then sync_master changes up to eight times, a little after communication points."""
+    """Positioned at 0.1 s; then sync_master and the levels that skip a cycle change up to eight times, a little after
+    communication points."""
     to_sync, to_out, onwards = r.choice([60.0, 100.0, 150.0]), r.choice([50.0, 100.0, 200.0]), r.choice([50.0, 200.0])
     is_cyclic, is_variable = r.random() < 0.7, r.random() < 0.6
     if is_cyclic:
@@ -41,7 +42,8 @@ def random_script(r: Random) -> dict[str, Any]:
         value = start["sync_master"] + r.randint(-300, 300)
         if is_variable:
             value = round(SPEED * at + r.uniform(0.0, 2.5) * cycle)
-        sets.append({"at": at, "sync_master": float(value)})
+        levels = {name: r.random() < 0.5 for name in ("skip_next_cycle", "sync_assumed") if r.random() < 0.2}
+        sets.append({"at": at, "sync_master": float(value), **levels})
     segments = [{"duration": STOP, "velocity": SPEED}]
     master = {"position": 0.0, "velocity": SPEED, "segments": segments}
     return {"stop_time": STOP, "step_size": STEP, "start": start, "master": master, "set": sets}
