@@ -126,6 +126,7 @@ class Chart:
             self.axis(number)["overlaying"] = base
         self.layout["meta"]["right"] = LEFT
         position = {"x": 1, "y": 1, "xanchor": "right", "yanchor": "bottom", "font": {"size": 13, "color": colour}}
+        position["xshift"] = LEFT - RIGHT  # over the numbers of its axis: on a telephone there is no other space
         self.annotate(text, yref=f"{axis_id(row)} domain", **position)
         return number
 
