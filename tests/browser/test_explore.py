@@ -742,7 +742,7 @@ def test_a_line_is_drawn_where_its_values_are_and_not_at_the_next_pixels(chosen:
     """The position of Gearing's master, which goes 800 mm at one velocity: the middle of its line in each column of
     pixels, away from the slave's line and from the grid, in the mean of nine columns."""
     off = """() => {
-      const [plot] = motionsyncExplore.plots(), [times, slave, , master] = plot.data, {bbox} = plot, found = [];
+      const [plot] = motionsyncExplore.plots(), [times, slave, , master] = plot.data, {bbox} = plot, offsets = [];
       const {data, width} = plot.ctx.getImageData(0, 0, plot.ctx.canvas.width, plot.ctx.canvas.height);
       const high = (y) => plot.valToPos(y, "y", true), lines = plot.axes[1]._splits.map(high);
       for (let x = Math.ceil(bbox.left) + 9; x < bbox.left + bbox.width - 9; x++) {
@@ -753,13 +753,13 @@ def test_a_line_is_drawn_where_its_values_are_and_not_at_the_next_pixels(chosen:
         const rows = Array.from({length: 11}, (_, i) => Math.floor(y) - 5 + i);
         const red = (row) => data[4 * (row * width + x)];
         const dark = rows.map((row) => Math.abs(red(row) - red(rows[0]))), sum = dark.reduce((a, b) => a + b, 0);
-        if (sum) found.push(dark.reduce((a, d, i) => a + d * (rows[i] + 0.5), 0) / sum - y);
+        if (sum) offsets.push(dark.reduce((a, d, i) => a + d * (rows[i] + 0.5), 0) / sum - y);
       }
-      return found;
+      return offsets;
     }"""
-    found = chosen("Gearing", "example").page.evaluate(off)
-    assert len(found) > 100
-    assert np.abs(np.convolve(found, np.full(9, 1 / 9), "valid")).max() < 0.4  # px
+    offsets = chosen("Gearing", "example").page.evaluate(off)
+    assert len(offsets) > 100
+    assert np.abs(np.convolve(offsets, np.full(9, 1 / 9), "valid")).max() < 0.4  # px
 
 
 # --- the run as a file ---

@@ -293,7 +293,8 @@ def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> 
 )
 def test_a_curve_is_drawn_through_all_its_points(at_rest: AtRest, name: str, chart: str) -> None:
     """A line through a few of them has corners. What lies beyond the plot is not drawn."""
-    counts = """frame => [frame.data.filter(({mode}) => mode === "lines").map(({y}) => y.filter((v) => v !== null).length),
+    counts = """frame => [
+      frame.data.filter(({mode}) => mode === "lines").map(({y}) => y.filter((v) => v !== null).length),
       [...frame.querySelectorAll("path.js-line")].map((path) => path.getAttribute("d").match(/[MLHV]/g).length)]"""
     values, drawn_points = ChartView(at_rest(name), chart).frame.evaluate(counts)
     assert sum(drawn_points) > 0.9 * sum(values)
