@@ -94,7 +94,7 @@ EDITS = [
 def plain(thing: Any) -> Any:
     """All that a scenario has in it, as something that can be compared."""
     if isinstance(thing, Script):
-        return thing.breaks, plain(thing.motions)
+        return list(thing.breaks), plain(thing.motions)
     if is_dataclass(thing):
         return type(thing), [plain(getattr(thing, f.name)) for f in fields(thing) if f.compare]
     if isinstance(thing, list | tuple):
