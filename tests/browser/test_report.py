@@ -283,6 +283,23 @@ def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> 
             assert left >= other_right or other_left >= right or top >= other_bottom or other_top >= bottom
 
 
+@pytest.mark.parametrize(
+    ("name", "chart"),
+    [
+        ("CutToLength/measured_line", "Histogram of the true length errors"),
+        ("CutToLength/measured_line", "The axis and its motor over time"),
+        ("RotaryKnife/formats", MOTION),
+    ],
+)
+def test_a_curve_is_drawn_through_all_its_points(at_rest: AtRest, name: str, chart: str) -> None:
+    """A line through a few of them has corners. What lies beyond the plot is not drawn."""
+    counts = """frame => [
+      frame.data.filter(({mode}) => mode === "lines").map(({y}) => y.filter((v) => v !== null).length),
+      [...frame.querySelectorAll("path.js-line")].map((path) => path.getAttribute("d").match(/[MLHV]/g).length)]"""
+    values, drawn_points = ChartView(at_rest(name), chart).frame.evaluate(counts)
+    assert sum(drawn_points) > 0.9 * sum(values)
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_no_text_of_a_real_machine_is_hidden(open_report: OpenReport, width: int) -> None:
     """Neither cut off at the border of a chart, nor on another text."""

@@ -29,6 +29,28 @@ def test_every_page_opens_without_a_message_and_fits_its_window(windows: Windows
     assert [uri for uri in visit.asked if not uri.startswith((site.folder.as_uri(), "data:", "blob:"))] == []
 
 
+@pytest.mark.parametrize("path", ["tutorial/measured_line.html", "how_to/sweeps.html"])
+def test_a_number_and_its_unit_are_on_one_line_of_a_table(windows: Windows, fmus: Fmus, path: str) -> None:
+    visit = windows.open(made_site(fmus).folder / path, WIDTHS[0])
+    broken = """all => all.filter((cell) => /^[-0-9.]+ [a-z]+$/.test(cell.textContent)).map((cell) => {
+        const range = document.createRange();
+        range.selectNodeContents(cell);
+        return [cell.textContent, new Set(Array.from(range.getClientRects(), ({top}) => top)).size];
+    })"""
+    cells = visit.page.locator("td").evaluate_all(broken)
+    windows.leave(visit)
+    assert len(cells) > 3
+    assert [text for text, lines in cells if lines > 1] == []
+
+
+@pytest.mark.parametrize("block", ["Gearing", "RotaryKnife"])
+def test_what_a_variable_means_has_some_width_on_a_telephone(windows: Windows, fmus: Fmus, block: str) -> None:
+    visit = windows.open(made_site(fmus).folder / "reference" / "blocks" / f"{block}.html", WIDTHS[1])
+    widths = visit.page.locator("th.meaning").evaluate_all("all => all.map((e) => e.clientWidth)")
+    windows.leave(visit)
+    assert min(widths) > 190  # px
+
+
 def test_the_search_finds_a_word_without_a_server(windows: Windows, fmus: Fmus) -> None:
     site = made_site(fmus)
     visit = windows.open(site.folder / "how_to" / "simulink.html", WIDTHS[0])

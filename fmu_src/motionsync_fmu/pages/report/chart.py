@@ -76,6 +76,7 @@ class Chart:
             | {"uirevision": "kept"},  # which curves are hidden
             "annotations": [],
             "shapes": [],
+            "template": {"data": {"scatter": [{"line": {"simplify": False}}]}},  # else curves have corners
             "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span), "right": RIGHT},
             "xaxis": self._axis() | {"title": {"text": self.title}, "range": list(self.span)},
         }
@@ -125,6 +126,7 @@ class Chart:
             self.axis(number)["overlaying"] = base
         self.layout["meta"]["right"] = LEFT
         position = {"x": 1, "y": 1, "xanchor": "right", "yanchor": "bottom", "font": {"size": 13, "color": colour}}
+        position["xshift"] = LEFT - RIGHT  # over the numbers of its axis: on a telephone there is no other space
         self.annotate(text, yref=f"{axis_id(row)} domain", **position)
         return number
 
