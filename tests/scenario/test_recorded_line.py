@@ -282,7 +282,7 @@ def test_every_form_of_a_file_has_the_numbers_that_were_written(
 def test_a_row_that_is_wider_than_the_first_line_is_refused(
     tmp_path_factory: pytest.TempPathFactory, names: list[str], wide: int, separator: str
 ) -> None:
-    """What stands in which column is unknown then. Cells that are empty say nothing."""
+    """What is in which column is unknown then. Cells that are empty say nothing."""
     rows = [[str(i) if name == "time" else "0" for name in names] + [""] for i in range(6)]
     folder = tmp_path_factory.getbasetemp()
 

@@ -41,9 +41,8 @@ def error(*code: str | int) -> list[FaultCode]:
     if not matches:
         nearest = sorted(codes, key=lambda c: abs(c.number - number))
         listed = ", ".join([*dict.fromkeys(f"{c.number_text} ({c.block})" for c in nearest)][:NEAREST])
-        raise UserError(
-            f"{block or 'no block'} has {'no' if block else 'the'} fault code {text}; the nearest are {listed}"
-        )
+        none = f"{block} has no" if block else "no block has the"
+        raise UserError(f"{none} fault code {text}; the nearest are {listed}")
     return matches
 
 

@@ -42,7 +42,9 @@ def print_codes(codes: Sequence[FaultCode]) -> None:
 
 
 def print_explanations(codes: Sequence[FaultCode], asked: str) -> None:
-    """Explain fault codes, those of a block together; `asked`: the number or the words that all of them have; empty: they are all of a block."""
+    """Explain fault codes, those of a block together.
+
+    `asked`: the number or the words that all of them have; empty: they are all codes of a block."""
     blocks = {code.block: None for code in codes}
     if len(codes) > 1 and asked:
         where = f"in {len(blocks)} blocks" if len(blocks) > 1 else f"in {codes[0].block}"
