@@ -671,6 +671,18 @@ def test_the_main_values_are_at_the_top(chosen: Chosen) -> None:
     assert labels == ["home, end", "in sync", "end"]  # which are one place
 
 
+@pytest.mark.parametrize(("block", "name"), [("CutToLength", "basic_cut"), ("CutToLength", "any_length")])
+def test_a_value_that_limits_nothing_has_no_slider_and_widens_no_other(chosen: Chosen, block: str, name: str) -> None:
+    """A line along a script asks for nothing: what it would like to run is 1e9."""
+    visit = chosen(block, name)
+    velocity = visit.page.locator(".knob[data-name='line.wanted_velocity']")
+    assert velocity.locator("input").input_value() == "1000000000"
+    assert velocity.locator("input[type=range]").count() == 0
+    ranges = visit.page.locator("input[type=range]").evaluate_all("all => all.map(e => Math.max(-e.min, +e.max))")
+    assert len(ranges) > 10
+    assert max(ranges) < 1e8
+
+
 def test_the_plots_are_saved_as_csv(chosen: Chosen, tmp_path: Path) -> None:
     """All points of the run, with all digits: 1000 mm/s for 5 s."""
     visit = chosen("CutToLength", "basic_cut")

@@ -52,9 +52,36 @@ def meanings_of(block: str, number: int) -> Iterator[tuple[str, str]]:
                 yield member.name, v.name
 
 
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_name_of_a_block_alone_lists_all_its_codes(motionsync: Command, block: str) -> None:
+    """Not those alone that have the name in their texts."""
+    outcome = motionsync("error", block.lower())
+    assert outcome.status == 0
+    assert re.findall(r"^(\w.*)$", outcome.out, re.M) == [block]
+    listed = {int(n) for n in re.findall(r"^  (\d+)(?: = 0x\w+)? \(", outcome.out, re.M)}
+    declared = [v.declaration.codes for v in Recipe(block).variables.values() if v.declaration.codes]
+    assert listed == {member.value for kind in declared for member in members(kind)} - {0}
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_a_code_of_another_block_is_none_of_this_one(motionsync: Command, block: str) -> None:
+    """17118 is a code of the FlyingSaw, 18 one of both machines that cut, 19289 one of RemoteSync."""
+    having = {"17118": ["FlyingSaw"], "18": ["CutToLength", "RotaryKnife"], "19289": ["RemoteSync"]}
+    for number, blocks in having.items():
+        outcome = motionsync("error", block, number)
+        assert outcome.status == (0 if block in blocks else 2)
+        if outcome.status:
+            assert_one_line(outcome, f"{block} has no fault code {number}")
+            nearest = outcome.err.rpartition("the nearest are ")[2].split(", ")
+            assert len(nearest) == len({*nearest})
+
+
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
+        (("",), ("name a fault code",)),
+        ((" ", " "), ("name a fault code",)),
+        (("Gearing", "elephant"), ("of Gearing", "'elephant'")),
         (("17000",), ("fault code 17000", "17006 = 0x426E (FlyingSaw)")),
         (("Follower", "17118"), ("fault code 17118", "14 (Follower)")),
         (("purple", "elephant"), ("'purple elephant'", "motionsync describe")),

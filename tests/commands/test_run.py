@@ -318,6 +318,20 @@ def test_a_mistake_in_one_file_of_a_folder_leaves_out_that_file(workshop: Comman
     assert outcome.err.count("\n") == 1
 
 
+@pytest.mark.parametrize("target", ["nothing.toml", "scenario.toml", "../gone/scenario.toml"])
+def test_a_scenario_that_is_a_link_to_nothing_is_not_left_out_silently(workshop: Command, target: str) -> None:
+    scenario("all/good")
+    scenario("all/better")
+    link = Path("all/far/gone/scenario.toml")
+    link.parent.mkdir(parents=True)
+    link.symlink_to(target)
+    outcome = workshop("run", "all", "--no-report")
+    assert outcome.status == 2
+    assert f"1 not run: not valid, for the reason below: {link.parent}" in outcome.out
+    assert outcome.err.startswith(f"motionsync: {link}: no such file")
+    assert outcome.err.count("\n") == 1
+
+
 def test_a_step_size_with_absurdly_many_steps_is_one_line(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(api, "simulate", lambda *_, **__: pytest.fail("it would take hours and all memory"))
     assert_one_line(workshop("run", "stop", "--step-size", "1e-10"), "--step-size 1e-10", "steps")

@@ -169,7 +169,21 @@ def test_no_line_joins_the_end_of_one_piece_to_that_of_the_next(name: str) -> No
 def test_a_picture_has_the_units_of_its_example() -> None:
     example = load_example("RotaryKnife")
     labels = [panel.label for panel in make_panels(example, example.unit, example.slave_unit)]
-    assert labels == ["position\ndeg", "velocity\nmm/s,\nslave deg/s", "acceleration\ndeg/s²", "piece\nmm"]
+    assert labels == ["position\ndeg", "velocity\ndeg/s", "master\nmm/s", "acceleration\ndeg/s²", "piece\nmm"]
+
+
+@pytest.mark.parametrize(
+    ("slave_unit", "is_apart"), [("", False), ("mm", False), ("deg", True), ("m", True), ("1", True)]
+)
+def test_no_plot_has_two_units(block: str, slave_unit: str, is_apart: bool) -> None:
+    """The master has a plot of its own, if its unit is not the slave's; its curve is drawn either way."""
+    example = load_example(block)
+    shown = make_panels(example, "mm", slave_unit)
+    together = [panel for panel in shown if {curve.label for curve in panel.curves} > {"master"}]
+    alone = [panel for panel in shown if [curve.label for curve in panel.curves] == ["master"]]
+    if not example.remote:
+        assert bool(alone) == is_apart != bool(together)
+    assert not [panel for panel in shown if panel.label.count("\n") > 1]
 
 
 def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:

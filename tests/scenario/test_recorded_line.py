@@ -212,6 +212,11 @@ def test_the_shipped_recording_is_the_one_that_is_made() -> None:
             "time;position\n0,5;1.000\n",
             "trace.csv:2: position: '1.000' is not a number; a comma is the decimal sign in this file",
         ),
+        (
+            "time,position\n0,0\n0,1,10,5\n0,2,11,0\n",
+            "trace.csv:3: 4 cells, where the first line has 2; with a comma as the decimal sign there are semicolons "
+            "between the cells",
+        ),
         (ROWS.replace("5.0", '"' + "5" * 200_000), "trace.csv:2: field larger than field limit (131072)"),
         (ROWS.replace("5.3,", "5.29,"), "scenario.toml:10: file: trace.csv has 0.29 s, and stop_time = 0.3 is later"),
     ],
@@ -287,6 +292,28 @@ def test_every_form_of_a_file_has_the_numbers_that_were_written(
     (folder / "trace.csv").write_text(mark + end.join(lines) + end, "utf-8", newline="")
     scenario = load_scenario(write_scenario(SHORT, folder))
     assert [scenario.master.at(t - times[0]).position for t in times] == cells["position"]
+
+
+@given(
+    st.permutations(["time", "position", "load"]) | st.just(["time", "position"]),
+    st.integers(0, 5),
+    st.sampled_from([",", ";", "\t"]),
+)
+@settings(deadline=None)
+def test_a_row_that_is_wider_than_the_first_line_is_refused(
+    tmp_path_factory: pytest.TempPathFactory, names: list[str], wide: int, separator: str
+) -> None:
+    """What is in which column is unknown then. Cells that are empty say nothing."""
+    rows = [[str(i) if name == "time" else "0" for name in names] + [""] for i in range(6)]
+    folder = tmp_path_factory.getbasetemp()
+
+    def line() -> Scenario:
+        return load(folder, "\n".join(separator.join(cells) for cells in [names, *rows]))
+
+    assert line().master.at(4.5).position == 0.0
+    rows[wide][-1] = "5"
+    with pytest.raises(UserError, match=rf"trace.csv:{wide + 2}: {len(names) + 1} cells, where .* has {len(names)}"):
+        line()
 
 
 WORDS = st.sampled_from(

@@ -16,29 +16,33 @@ def error(*code: str | int) -> list[FaultCode]:
 
     Args:
         code: an `error_id`, `17118` or `"0x42DE"`, or words of the message; before it the name of a block, if only its
-            codes are meant.
+            codes are meant, or this name alone, for all of them.
 
     Raises:
         UserError: there is none; the message has the nearest ones.
     """
-    codes, words = sorted(all_codes(), key=_place), [str(word) for word in code]
-    if len(words) > 1 and words[0].lower() in (name.lower() for name in BLOCKS):
+    codes, words, block = sorted(all_codes(), key=_place), [str(word) for word in code], ""
+    if words and words[0].lower() in (name.lower() for name in BLOCKS):
         block = resolve_name(BLOCKS, words.pop(0), "block")
         codes = [c for c in codes if c.block == block]
     text = " ".join(words)
+    if not block and not text.strip():
+        raise UserError("name a fault code, a block, or words of a message")
     number: int | None = None
     with suppress(ValueError):
         number = int(text, 0)
     if number is None:
         matches = [c for c in codes if text.lower() in f"{c.name} {c.description}".lower()]
         if not matches:
-            raise UserError(f"no fault code mentions {text!r}; motionsync describe lists those of a block")
+            of_block = f" of {block}" if block else ""
+            raise UserError(f"no fault code{of_block} mentions {text!r}; motionsync describe lists those of a block")
         return matches
     matches = [c for c in codes if c.number == number]
     if not matches:
-        nearest = sorted(codes, key=lambda c: abs(c.number - number))[:NEAREST]
-        listed = ", ".join(f"{c.number_text} ({c.block})" for c in nearest)
-        raise UserError(f"no block has the fault code {text}; the nearest are {listed}")
+        nearest = sorted(codes, key=lambda c: abs(c.number - number))
+        listed = ", ".join([*dict.fromkeys(f"{c.number_text} ({c.block})" for c in nearest)][:NEAREST])
+        none = f"{block} has no" if block else "no block has the"
+        raise UserError(f"{none} fault code {text}; the nearest are {listed}")
     return matches
 
 

@@ -11,7 +11,7 @@ def command(
     code: Annotated[
         list[str],
         typer.Argument(
-            metavar="[BLOCK] CODE|WORDS",
+            metavar="[BLOCK] [CODE|WORDS]",
             help="An error_id, or the code of another variable, decimal or as 0x42DE; or words of the message.",
         ),
     ],
@@ -19,7 +19,7 @@ def command(
     """Explain a fault code.
 
     A small number means something else in each block: all its meanings are shown, those of a block together, that of
-    its error_id first. With the name of a block only its own are shown.
+    its error_id first. With the name of a block only its own are shown, and with the name alone all of them.
 
     Examples:
 
@@ -32,5 +32,5 @@ def command(
     from ..api.error import error
 
     codes = error(*code)
-    words = code[1:] if len(code) > 1 and code[0].lower() == codes[0].block.lower() else code
+    words = code[1:] if code[0].lower() == codes[0].block.lower() else code
     print_explanations(codes, " ".join(words))

@@ -22,6 +22,7 @@ let asked = false, latestBadge = 0, latestExport = 0, listed = 0, addressing = 0
 
 const MARKS = "cuts.length", OF_MARKS = "of the marks on the material";
 
+const UNLIMITED = 1e9; // a value from here on limits nothing
 const isMain = (name) => block.main.includes(name);
 const copy = (thing) => JSON.parse(JSON.stringify(thing));
 const own = () =>
@@ -117,17 +118,17 @@ function follow() {
 
 // --- what can be changed ---
 
-/** How far a slider of a value 0 goes: the greatest magnitude in this unit. */
+/** How far a slider of a value 0 goes: the greatest magnitude in this unit, of those that limit something. */
 function usual(of) {
   const {start, settings, axis} = untouched,
     values = [...Object.entries(start), ...settings.flatMap((s) => Object.entries(s.values))];
-  const alike = values.filter(([name]) => variables.get(name).unit === of).map(([, x]) => Math.abs(x));
+  const alike = values.filter(([name, x]) => variables.get(name).unit === of && Math.abs(x) < UNLIMITED).map(([, x]) => Math.abs(x));
   const travel = of === "POSITION" || of === "SLAVE_POSITION" ? [span(before?.column("slave.position") ?? [0, 0])] : [];
   return greatest([...alike, ...travel, of === "VELOCITY" ? Math.abs(axis.velocity ?? 0) : 0]) || 100;
 }
 
-/** A control of a variable's value. */
-function variable(name, values, first, {slider = true, ...limits} = {}) {
+/** A control of a variable's value; one that limits nothing has no slider. */
+function variable(name, values, first, {slider = !(Math.abs(first) >= UNLIMITED), ...limits} = {}) {
   const v = variables.get(name), unitName = block.units[scenario.units][v.unit];
   return control({...v, unit: unitName, ...limits}, values, name, {first, usual: slider ? usual(v.unit) : 0, changed: update});
 }

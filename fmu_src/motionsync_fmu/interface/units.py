@@ -30,12 +30,6 @@ def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
     return (above or "1") + below if above or below or kind is not Unit.NONE else ""
 
 
-def axis_label(kind: Unit, unit: str, slave_unit: str = "") -> str:
-    """The label of a plot's axis for master and slave: `mm`, or `mm,` and `slave deg` in two lines if they differ."""
-    of_master, of_slave = unit_name(kind, unit), unit_name(kind, slave_unit or unit)
-    return of_master if of_master == of_slave else f"{of_master},\nslave {of_slave}"
-
-
 def base_unit(kind: Unit, unit: str, slave_unit: str = "") -> tuple[dict[str, int], float]:
     """A unit in SI base units: the exponent of each base unit that has one, and the factor."""
     powers: dict[str, int] = {}

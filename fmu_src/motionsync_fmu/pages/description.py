@@ -42,15 +42,17 @@ def print_codes(codes: Sequence[FaultCode]) -> None:
 
 
 def print_explanations(codes: Sequence[FaultCode], asked: str) -> None:
-    """Explain fault codes, those of a block together; `asked`: the number or the words that all of them have."""
+    """Explain fault codes, those of a block together.
+
+    `asked`: the number or the words that all of them have; empty: they are all codes of a block."""
     blocks = {code.block: None for code in codes}
-    if len(codes) > 1:
+    if len(codes) > 1 and asked:
         where = f"in {len(blocks)} blocks" if len(blocks) > 1 else f"in {codes[0].block}"
         _print_wrapped(f"{asked}: {len(codes)} meanings {where}. The variable that shows the code decides.", 0)
     if len(blocks) > 1:
         _print_wrapped(f"Of one block alone: motionsync error {codes[0].block} {asked}", 0)
     for i, (block, group) in enumerate(groupby(codes, lambda code: code.block)):
-        if i or len(codes) > 1:
+        if i or (len(codes) > 1 and asked):
             out.print()
         out.print(f"[bold]{escape(block)}[/]")
         for code in group:

@@ -25,7 +25,7 @@ from PIL import Image
 from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
-from ..interface.units import axis_label, unit_name
+from ..interface.units import unit_name
 from ..paths import replace_file
 from ..scenario.cutting import CutSpec
 from ..scenario.evaluate.cuts import passages, reach
@@ -127,7 +127,8 @@ def _variants(example: Scenario) -> dict[str, Scenario]:
 
 
 def _motion(example: Scenario, runs: list[PictureVariant], unit: str, slave_unit: str) -> list[Panel]:
-    """Plots of position and velocity of master and slave, and of the slave's acceleration.
+    """Plots of position and velocity of master and slave, and of the slave's acceleration. Where the units of the two
+    differ, the master has a plot of its own.
 
     In place of the material's position, a saw is shown with the marks that pass it, or with the cuts that it makes."""
     first = runs[0].recording
@@ -137,23 +138,24 @@ def _motion(example: Scenario, runs: list[PictureVariant], unit: str, slave_unit
     wrapped = position % example.period if example.period else position
     master = {Unit.POSITION: _broken(first.time, wrapped, velocity), Unit.VELOCITY: velocity}
 
-    def panel(kind: Unit, name: str) -> Panel:
-        label, followed = unit_name(kind, slave_unit or unit), list[PictureCurve]()
+    def panels(kind: Unit, name: str) -> list[Panel]:
+        label, followed, apart = unit_name(kind, slave_unit or unit), list[PictureCurve](), list[Panel]()
+        shade = first.values[shaded] if shaded else None
         if kind == Unit.POSITION and example.cuts:
             followed = [PictureCurve("marks on the master", MASTER, 1.5, _marks(example.cuts, first))]
         elif kind == Unit.POSITION and pieces:
             followed = [PictureCurve("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first))]
         elif kind in master:
-            label = axis_label(kind, unit, slave_unit)
             followed = [PictureCurve("master", MASTER, 1.5, master[kind])]
+            if (its_own := unit_name(kind, unit)) != label:
+                apart, followed = [Panel(_labelled("master", its_own), first.time, followed, shade)], []
         curves = [PictureCurve(r.name, r.colour, 2.2, _slave_values(r.recording, kind, name)) for r in runs]
-        shade = first.values[shaded] if shaded else None
-        return Panel(_labelled(name, label), first.time, followed + curves, shade)
+        return [Panel(_labelled(name, label), first.time, followed + curves, shade), *apart]
 
     return [
-        panel(Unit.POSITION, "position"),
-        panel(Unit.VELOCITY, "velocity"),
-        panel(Unit.ACCELERATION, "acceleration"),
+        *panels(Unit.POSITION, "position"),
+        *panels(Unit.VELOCITY, "velocity"),
+        *panels(Unit.ACCELERATION, "acceleration"),
     ]
 
 
@@ -238,7 +240,7 @@ def draw_example(name: str, unit: str, slave_unit: str = "") -> bytes:
     process: the FMUs of both flavours and versions show the same."""
     shown = make_panels(load_example(name), unit, slave_unit)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(7.6, 5.8), layout="constrained")
+        figure = Figure(figsize=(7.6, 5.8 + max(0, len(shown) - 4)), layout="constrained")
         parts = figure.subplots(len(shown), 1, sharex=True, height_ratios=(2, *(1 for _ in shown[1:])))
         for axes, panel in zip(parts, shown, strict=True):
             _plot(axes, panel)

@@ -3,6 +3,7 @@
 A wheel holds them next to the modules; in a checkout they are the folder `scenarios` itself."""
 
 from difflib import get_close_matches
+from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 
@@ -34,7 +35,7 @@ def find_files(path: Path, pattern: str = SCENARIO_FILE) -> list[Path]:
     location = path if path.exists() else shipped_folder() / path
     if location.is_file():
         return [location]
-    files = sorted(location.rglob(pattern))
+    files = sorted(file for file in location.rglob("*") if fnmatch(file.name, pattern))  # links to nothing, too
     if not files:
         missing = f"no such file or folder{suggest_names(str(path), pattern)}"
         raise UserError(f"{path}: {f'no {pattern} below it' if location.is_dir() else missing}")

@@ -6,7 +6,7 @@ line, which finds the place of the mistake, and reads what NumPy does not."""
 import csv
 import math
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
@@ -82,7 +82,8 @@ def _read_columns(file: Path, _changed: int, _size: int) -> tuple[Reals, Reals]:
 
 def _check(times: Reals, positions: Reals, place: Callable[[int], str]) -> None:
     """Refuse the first value that is not allowed; `place`: of a row, from 0, for the message."""
-    rises = np.diff(times, prepend=-math.inf) >= SHORTEST  # NaN is not
+    with np.errstate(over="ignore", invalid="ignore"):  # of times that are not allowed
+        rises = np.diff(times, prepend=-math.inf) >= SHORTEST  # NaN is not
     allowed = rises & (np.abs(times) <= MOST) & (np.abs(positions) <= MOST)
     if allowed.all():
         return
@@ -106,12 +107,14 @@ class _Layout:
     Attributes:
         skipped: how many lines are before the first row.
         separator: of the cells.
+        width: how many cells the first line has.
         columns: where time and position are.
         has_comma: whether a comma is the decimal sign.
     """
 
     skipped: int
     separator: str
+    width: int
     columns: tuple[int, int]
     has_comma: bool
 
@@ -157,23 +160,23 @@ def _find_layout(file: Path, lines: TextIO) -> _Layout | None:
     place = f"{file}:{number + 1}"
     cells = _cells(first, separator, place)
     may_have_comma = separator == ";"
-    has_names = _Layout(0, separator, (0, 1), may_have_comma and "," in cells[0]).number(cells[0]) is None
+    has_names = _Layout(0, separator, 0, (0, 1), may_have_comma and "," in cells[0]).number(cells[0]) is None
     columns = _find_columns([cell.strip() for cell in cells] if has_names else [""] * len(cells), place)
     rows = (_cells(line, separator, place) for _, line in numbered if "," in line) if may_have_comma else iter(())
     has_comma = any("," in cell for cells in rows for cell in _pair(cells, columns))
     has_comma |= may_have_comma and not has_names and any("," in cell for cell in _pair(cells, columns))
-    return _Layout(number + has_names, separator, columns, has_comma)
+    return _Layout(number + has_names, separator, len(cells), columns, has_comma)
 
 
 def _with_numpy(file: Path, layout: _Layout) -> tuple[Reals, Reals]:
     """Times and positions, as NumPy reads them.
 
     Raises:
-        ValueError: it does not.
+        ValueError: it does not, or a row is not as wide as the first line.
     """
     with file.open(encoding="utf-8-sig") as lines, catch_warnings():
         simplefilter("ignore")  # there may be no row
-        rows = islice(lines, layout.skipped, None)
+        rows = _as_wide(islice(lines, layout.skipped, None), layout)
         columns = np.loadtxt(
             map(layout.line, rows) if layout.has_comma else rows,
             delimiter=layout.separator,
@@ -184,6 +187,18 @@ def _with_numpy(file: Path, layout: _Layout) -> tuple[Reals, Reals]:
         )
     times, positions = columns.T.copy()
     return times, positions
+
+
+def _as_wide(lines: Iterable[str], layout: _Layout) -> Iterator[str]:
+    """The lines, as long as each has as many cells as the first one; NumPy would not notice.
+
+    Raises:
+        ValueError: a line has not.
+    """
+    for line in lines:
+        if line.count(layout.separator) != layout.width - 1 and line.strip():
+            raise ValueError(line)
+        yield line
 
 
 def _line_by_line(file: Path, layout: _Layout) -> tuple[Reals, Reals]:
@@ -199,6 +214,10 @@ def _line_by_line(file: Path, layout: _Layout) -> tuple[Reals, Reals]:
             cells = _cells(line, layout.separator, place)
             if not any(cell.strip() for cell in cells):
                 continue
+            if any(cell.strip() for cell in cells[layout.width :]):
+                hint = "; with a comma as the decimal sign there are semicolons between the cells"
+                more = hint if layout.separator == "," else ""
+                _fail(place, f"{len(cells)} cells, where the first line has {layout.width}{more}")
             for name, column, cell in zip(COLUMNS, columns, _pair(cells, layout.columns), strict=True):
                 value = layout.number(cell)
                 if value is None:
