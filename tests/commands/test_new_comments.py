@@ -354,7 +354,7 @@ def run_with(block: str, folder: Path, key: str, value: float | None) -> Run:
     return Run(run.recording, figures)
 
 
-@pytest.mark.parametrize("block", BLOCKS)
+@pytest.mark.parametrize("block", CLAIMS)
 def test_each_comment_on_a_figure_has_its_claim(block: str, tmp_path: Path) -> None:
     text = new(block, tmp_path).read_text("utf-8")
     stated = {(key, comment) for key, _, comment in commented(text) if comment not in ADVICE}
