@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import evaluate_run
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from tests.browser.charts import ChartView
 from tests.browser.conftest import AtRest, Open, OpenReport, drawn
 from tests.browser.runs import run

@@ -13,8 +13,8 @@ import pytest
 
 from motionsync_fmu.pages.report.chart import Chart, count_swings
 from motionsync_fmu.pages.report.page import run_charts, write_report
-from motionsync_fmu.pages.results import evaluate_run
 from motionsync_fmu.pages.summary import figure_rows
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from tests.support.knife_runs import run_knife
 
 DEGREES = 0.6  # of the knife, for each mm of the line

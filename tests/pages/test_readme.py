@@ -29,8 +29,9 @@ from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
-from motionsync_fmu.pages.results import evaluate_run, write_results
+from motionsync_fmu.pages.results import write_results
 from motionsync_fmu.pages.state_diagram import read_diagram
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
