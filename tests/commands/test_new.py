@@ -138,6 +138,15 @@ def test_a_knife_has_as_many_blades_as_given(blades: int, motionsync: Command) -
     assert_one_line(many, "knife.blades", "65", "64")
 
 
+@pytest.mark.parametrize("value", ["0", "-5", "-0.1", "0.0 m", "-6 m", "-1e3", "-5 ft 6 in"])
+def test_a_figure_that_no_machine_has_is_refused_by_its_option(motionsync: Command, block: str, value: str) -> None:
+    for figure in figures(block):
+        option = f"--{figure.name.replace('_', '-')}"
+        outcome = motionsync("new", block, "mine", f"{option}={value}")
+        assert_one_line(outcome, f"{option} {value}: it must be above 0")
+        assert not Path("mine").exists()
+
+
 def test_figures_are_asked_for_at_a_terminal(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is given by an option is not asked for; Enter takes what is proposed."""
     questions: list[str] = []
@@ -167,7 +176,7 @@ def test_figures_are_asked_for_at_a_terminal(motionsync: Command, monkeypatch: p
         (("Gearing", "x", "--stroke", "5000"), ("no figure of Gearing is named 'stroke'", "line_speed")),
         (("CutToLength", "x", "--line-speed", "fast"), ("--line-speed fast: it must be a number", "40 m/min")),
         (("CutToLength", "x", "--line-speed", "40 m"), ("velocity: '40 m' is in m: it must be in mm/s",)),
-        (("CutToLength", "x", "--max-velocity", "-5"), ("axis.max_velocity", "-5 is not allowed")),
+        (("CutToLength", "x", "--max-velocity", "-5"), ("--max-velocity -5: it must be above 0",)),
     ],
 )
 def test_a_wrong_figure_is_named_and_nothing_is_written(

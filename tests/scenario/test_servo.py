@@ -216,7 +216,9 @@ def test_the_columns_are_in_the_file_of_results(tmp_path: Path) -> None:
 MISTAKES = {
     "an unknown key": ("position_gain = 50.0\ngain = 3.0", "gain", "unknown key"),
     "no gain": ("dead_time = 0.1", "position_gain", "is missing"),
-    "no gain at all": ("position_gain = 0.0", "position_gain", "0 is not allowed: it must be > 0"),
+    "no gain at all": ("position_gain = 0.0", "position_gain", "0 is not allowed: it must be >= 0.001"),
+    "hardly any gain": ("position_gain = 1e-30", "position_gain", "1e-30 is not allowed"),
+    "a gain beyond all rounding": ("position_gain = 1e-300", "position_gain", "1e-300 is not allowed"),
     "a negative gain": ("position_gain = -3.0", "position_gain", "-3 is not allowed"),
     "an infinite gain": ("position_gain = inf", "position_gain", "inf is not allowed: it must be finite"),
     "a text": ('position_gain = "50"', "position_gain", "'50' is not a number"),

@@ -51,7 +51,7 @@ class Servo:
     """A position controller.
 
     Attributes:
-        position_gain: Kv, in 1/s, > 0.
+        position_gain: Kv, in 1/s, 1e-3 to 1e6.
         velocity_time_constant: Tv of the velocity loop, in s; 0: the velocity is u.
         feedforward: the share of the setpoint's velocity that is fed forward.
         dead_time: the setpoint acts so late, in s.

@@ -5,7 +5,7 @@ from ..servo import Servo
 from .keys import TableKeys, number
 from .toml_tables import TomlTable
 
-MOST_GAIN = 1e6  # 1/s
+LEAST_GAIN, MOST_GAIN = 1e-3, 1e6  # 1/s: with less, what is computed is rounding
 LONGEST = 1e3  # s
 SHORTEST = 1e-9  # s: a shorter time constant would be rounding of the communication points
 MOST_FEEDFORWARD = 10.0
@@ -15,7 +15,7 @@ SERVO = TableKeys(
     "[servo]",
     "A position controller with feedforward, between the setpoint and the tool.",
     (
-        number("position_gain", "Kv", "1/s", above=0.0, most=MOST_GAIN),
+        number("position_gain", "Kv", "1/s", least=LEAST_GAIN, most=MOST_GAIN),
         number("velocity_time_constant", "Tv of the velocity loop", "s", smallest=SHORTEST, most=LONGEST),
         number("feedforward", "share of the setpoint's velocity", default=1.0, least=0.0, most=MOST_FEEDFORWARD),
         number("dead_time", "how late the setpoint acts", "s", default=0.0, least=0.0, most=LONGEST),

@@ -14,13 +14,14 @@ from motionsync.blocks import BLOCKS
 
 from ...errors import UserError, choose
 from ...interface.block_folder import block_file
-from ...interface.quantities import is_quantity
+from ...interface.quantities import NUMBER, is_quantity
 from .reader import read_scenario_text
 from .toml_tables import writable
 
 FILE = "new.toml"
 FIGURES = "\n[figures]\n"
 LINE = r'(?m)^(?P<key>"?{key}"? = )(?P<value>[^#\n]*?)(?P<space> *)(?P<comment># .*)?$'
+SIGNED = re.compile(rf"[+-]?{NUMBER}", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -88,8 +89,10 @@ def _find(text: str, path: str) -> re.Match[str]:
 
 
 def _literal(name: str, value: str | float, *, is_count: bool) -> str:
-    """A figure as TOML writes it; `is_count`: a whole number."""
+    """A figure as TOML writes it, with or without a unit; `is_count`: a whole number."""
     text, option = str(writable(value)).strip(), f"--{name.replace('_', '-')}"
+    if (number := SIGNED.match(text)) and float(number[0]) <= 0.0:
+        raise UserError(f"{option} {text}: it must be above 0")
     if is_count:
         try:
             return str(int(text))
