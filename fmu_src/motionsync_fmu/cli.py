@@ -4,13 +4,14 @@ It imports next to nothing before `main`: loading the commands takes a second, a
 """
 
 import sys
-from _thread import interrupt_main, start_new_thread
+from _thread import allocate_lock, interrupt_main, start_new_thread
 from contextlib import suppress
 from time import sleep
 from types import FrameType
 
 MOMENT = 0.05  # s
 IMPORTS = "<frozen importlib"  # how the names of the files begin whose code imports
+REPEATING = allocate_lock()  # held while an interruption waits for its repetition: several become one
 
 
 def main() -> None:
@@ -55,7 +56,7 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
     """
     while frame:
         if frame.f_code.co_filename.startswith(IMPORTS):
-            start_new_thread(_interrupt_soon, ())
+            _repeat()
             return
         frame = frame.f_back
     raise KeyboardInterrupt
@@ -64,13 +65,20 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
 def _interrupt_again(unraisable: "sys.UnraisableHookArgs") -> None:
     """Repeat a Ctrl-C that came in a callback of the interpreter, an import's, say: Python prints it and drops it."""
     if unraisable.exc_type is KeyboardInterrupt:
-        start_new_thread(_interrupt_soon, ())
+        _repeat()
     else:
         sys.__unraisablehook__(unraisable)
 
 
+def _repeat() -> None:
+    """Interrupt once more in a moment, however often that is asked for meanwhile."""
+    if REPEATING.acquire(blocking=False):
+        start_new_thread(_interrupt_soon, ())
+
+
 def _interrupt_soon() -> None:
     sleep(MOMENT)  # here an interruption would be dropped again
+    REPEATING.release()
     interrupt_main()
 
 

@@ -97,15 +97,18 @@ def test_a_mark_whose_cut_is_not_beyond_the_material_before_it_is_refused(
     machine: str, front: float, positions: list[float], kerf: float
 ) -> None:
     """The front end is `front` before the place of the cut, its cut half a kerf further on. C = p + 700 has to be
-    beyond it, or beyond the cut of the mark before, by more than a kerf."""
+    beyond it, or beyond the cut of the mark before if that still waits (one that is too near is left out at once), by
+    more than a kerf."""
     line = Line(machine, {**MARKS, "front_position": -front, "kerf": kerf}).step(1e-3)
-    last, refused = front - 0.5 * kerf, 0
+    front_end = front - 0.5 * kerf
+    last, newest, refused = front_end, front_end, 0
     for position in positions:
         is_refused = position + 700.0 - last - kerf <= 1e-6
         line.mark(position)
         assert line["local.mark_refusal"] == 0  # it holds for the step of the edge
         refused += is_refused
-        last = last if is_refused else position + 700.0
+        newest = newest if is_refused else position + 700.0
+        last = newest if line["local.marks_waiting"] or line["next_cut.known"] else front_end
         counts = [line[f"statistics.{name}"] for name in ("marks", "marks_refused", "marks_outside")]
         assert sum(counts) == counts[0] + refused
         assert line["warning.mark_refused"] == is_refused

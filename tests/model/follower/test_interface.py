@@ -49,4 +49,4 @@ def test_the_report_shows_the_units_of_both_axes() -> None:
     outputs = [v.name for v in by_name.values() if v.causality in ("output", "local")]
     course = Recording(times, {name: np.zeros(2) for name in outputs}, np.ones((2, 4)), [])
     heads = [note["text"] for note in run_charts(scenario, course)["motion"].layout["annotations"]]
-    assert {"position in deg", "master in mm", "velocity in deg/s", "master in mm/s"} <= set(heads)
+    assert {"slave position in deg", "master in mm", "slave velocity in deg/s", "master in mm/s"} <= set(heads)
