@@ -28,6 +28,7 @@ from tests.browser.visit import Visit, choose, contrast, settle
 from tests.support.explored import explored, opens_with
 from tests.support.fmus import Fmus
 from tests.support.recordings import output_names
+from tests.support.scenario_texts import ENCODED_SAW
 
 TABLES_JS = Path(explore_page.__file__).with_name("tables.js")
 CUTS = "[...document.querySelectorAll('.motionsync-machine .stock')].map(e => +e.dataset.cuts)[0]"
@@ -123,23 +124,6 @@ noise = 0.01
 """,
     "recorded": '[master]\nfile = "trace.csv"\n',
 }
-SAW = """\
-title = "A saw on a measured line"
-fmu = "FlyingSaw"
-stop_time = 2.5
-step_size = 0.001
-[start]
-"sync_mode.check_overshoot_velocity" = true
-"gear_in_pos.master_sync_position" = 1100.0
-"gear_in_pos.slave_sync_position" = 750.0
-[master]
-velocity = 437.7
-[encoder]
-resolution = 0.1
-[[set]]
-at = 0.2
-"gear_in_pos.execute" = true
-"""
 TRACE = "time,position\n7.0,29\n7.1,3.5\n7.33,28\n7.9,8.25\n8.1,9\n"
 
 
@@ -168,7 +152,7 @@ def test_a_saw_on_a_measured_line_knows_the_resolution_in_the_browser(
 ) -> None:
     """Without it the command would be refused: the acceleration of the encoder would make the saw overshoot."""
     file, page = tmp_path / "saw.toml", tmp_path / "FlyingSaw.html"
-    file.write_text(SAW)
+    file.write_text(ENCODED_SAW)
     scenario = load_scenario(file)
     write_page("FlyingSaw", [scenario], fmus.native("FlyingSaw"), page)
     visit = open_page(page)

@@ -24,7 +24,7 @@ from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
 from tests.oracle import encoder as oracle
 from tests.oracle import mp, splitmix64
 from tests.support.recordings import assert_as_in_python
-from tests.support.scenario_texts import write_scenario
+from tests.support.scenario_texts import ENCODED_SAW, write_scenario
 
 LINE = """\
 title = "A measured line"
@@ -202,31 +202,14 @@ def test_start_values_of_the_file_are_taken(tmp_path: Path) -> None:
     assert not {"master.delay", "master.sample_time"} & {*other}
 
 
-SAW = """\
-title = "A saw that an encoder's accelerations would make overshoot"
-fmu = "FlyingSaw"
-stop_time = 2.5
-step_size = 0.001
-[start]
-"sync_mode.check_overshoot_velocity" = true
-"gear_in_pos.master_sync_position" = 1100.0
-"gear_in_pos.slave_sync_position" = 750.0
-[master]
-velocity = 437.7
-[encoder]
-resolution = 0.1
-[[set]]
-at = 0.2
-"gear_in_pos.execute" = true
-"""
-
-
 @pytest.mark.parametrize("mode", ["", '"master.input_mode" = "POSITION_ONLY"\n'])
 @pytest.mark.parametrize("resolution", [0.1, 0.05])
 def test_a_block_that_can_know_the_resolution_does(tmp_path: Path, mode: str, resolution: float) -> None:
     """In every mode: the profile that does not overshoot is only planned if the master has no acceleration, and with
     437.7 mm/s the second difference of the position at 0.2 s is one count. Other blocks have no place for it."""
-    text = SAW.replace("[start]\n", "[start]\n" + mode).replace("resolution = 0.1", f"resolution = {resolution}")
+    text = ENCODED_SAW.replace("[start]\n", "[start]\n" + mode).replace(
+        "resolution = 0.1", f"resolution = {resolution}"
+    )
     scenario = load(tmp_path, text)
     assert scenario.start["master.encoder_scaling"] == resolution
     assert "master.encoder_scaling" not in load(tmp_path).start
@@ -237,7 +220,7 @@ def test_a_block_that_can_know_the_resolution_does(tmp_path: Path, mode: str, re
 
 
 def test_a_resolution_that_is_varied_is_known(tmp_path: Path) -> None:
-    variation = ScenarioVariation(SAW, write_scenario(SAW, tmp_path))
+    variation = ScenarioVariation(ENCODED_SAW, write_scenario(ENCODED_SAW, tmp_path))
     target = variation.target("encoder.resolution")
     for resolution in (0.2, 0.0, 1e-9):
         assert variation.with_values([(target, resolution)]).start["master.encoder_scaling"] == resolution

@@ -83,6 +83,23 @@ to = 1.0
 "slave.velocity" = { min = 0.0, max = 90.0 }
 """
 SEGMENTS = VALID[VALID.index("segments") : VALID.index("]\n\n[[set]]") + 1]
+ENCODED_SAW = """\
+title = "A saw whose master is an encoder"
+fmu = "FlyingSaw"
+stop_time = 2.5
+step_size = 0.001
+[start]
+"sync_mode.check_overshoot_velocity" = true
+"gear_in_pos.master_sync_position" = 1100.0
+"gear_in_pos.slave_sync_position" = 750.0
+[master]
+velocity = 437.7
+[encoder]
+resolution = 0.1
+[[set]]
+at = 0.2
+"gear_in_pos.execute" = true
+"""
 
 
 def write_scenario(text: str, folder: Path) -> Path:
