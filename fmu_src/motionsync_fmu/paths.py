@@ -13,6 +13,7 @@ from uuid import uuid4
 from platformdirs import user_cache_path
 
 OUTPUT = Path("build")
+PRIVATE = 0o600  # the mode of a file in the cache that is run
 PART = ".part"  # the end of the name of a file that is being written
 
 

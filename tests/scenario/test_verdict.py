@@ -14,6 +14,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.sweeps.rows import run_and_evaluate
 from tests import ROOT
+from tests.support.scenario_texts import FREE_SAW
 
 SAW = """\
 title = "Pieces of 800 from a line that slows down"
@@ -43,17 +44,7 @@ at = 0.5
 start = true
 "gearing.denominator" = 0
 """
-FREE = """\
-title = "A free saw"
-fmu = "FlyingSaw"
-stop_time = 2.0
-step_size = 0.01
-[start]
-"axis.initial_velocity" = 100.0
-"move_velocity.velocity" = 100.0
-"axis.max_velocity" = 80.0
-[master]
-"""
+FREE = FREE_SAW.replace("\n[master]", '"axis.max_velocity" = 80.0\n\n[master]')
 KNIFE = (ROOT / "scenarios/RotaryKnife/formats/scenario.toml").read_text()
 KNIFE += "[servo]\nposition_gain = 50.0\nvelocity_time_constant = 0.003\n"
 MARKED = """\

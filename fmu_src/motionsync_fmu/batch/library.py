@@ -43,7 +43,6 @@ COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 CACHE_ERRORS = (OSError, RuntimeError)  # the cache cannot be read, written or locked, or there is no folder for it
-PRIVATE = 0o600  # the mode of a library's file: it is run
 LOCK_TIMEOUT = 300.0  # s; other processes do not wait longer for one that compiles
 
 _libraries: dict[type[Any], CDLL] = {}
@@ -98,7 +97,7 @@ def _compile_into_cache(block_type: type[Any], prefix: str) -> CDLL:
         target = folder / _file_name(prefix, contents)
         with paths.replace_file(target) as part:
             part.write_bytes(contents)
-            part.chmod(PRIVATE)
+            part.chmod(paths.PRIVATE)
         return CDLL(str(target))
     return _load(contents)
 

@@ -70,7 +70,7 @@ def _prepare_fmu(recipe: Recipe, flavour: Flavour, report: Report) -> Path:
     if not (_is_current(target, recipe) and paths.is_own(target)):
         with report(f"building {target}{', for this machine alone' if platform else ''}") as notify:
             build(recipe, target, BuildOptions(flavour, platforms=[platform] if platform else ()), notify)
-        target.chmod(0o600)
+        target.chmod(paths.PRIVATE)
     return target
 
 

@@ -115,7 +115,10 @@ class TruePieces:
         groups: dict[str, list[TruePiece]] = {}
         for piece in self.pieces:
             groups.setdefault(engineering(piece.ordered, digits=9), []).append(piece)
-        return [_one_length(pieces, self.tolerance, self.scale) for pieces in groups.values()]
+        return [
+            OneLength(pieces[0].ordered, len(pieces), *_spread(pieces, self.tolerance, self.scale))
+            for pieces in groups.values()
+        ]
 
 
 @dataclass(frozen=True)
@@ -140,14 +143,13 @@ def c_pk_text(c_pk: float) -> str:
     return engineering(c_pk) if math.isfinite(c_pk) else ""
 
 
-def _one_length(pieces: Sequence[TruePiece], tolerance: float, scale: float) -> OneLength:
+def _spread(pieces: Sequence[TruePiece], tolerance: float, scale: float) -> tuple[float, float, float, float]:
+    """The mean length of pieces, one sigma and the worst of their errors, and the process capability."""
     errors = [piece.error for piece in pieces]
-    return OneLength(
-        pieces[0].ordered,
-        len(pieces),
-        float(np.mean([piece.length for piece in pieces])),
+    return (
+        float(np.mean([piece.length for piece in pieces])) if pieces else math.nan,
         _deviation(errors) if len(errors) > 1 else math.nan,
-        max(errors, key=abs),
+        max(errors, key=abs, default=math.nan),
         capability(errors, tolerance, scale),
     )
 
@@ -175,13 +177,10 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
     tolerance = (
         results.production.tolerance if results.production else scenario.cuts.tolerance if scenario.cuts else 0.0
     )
-    errors, scale = [piece.error for piece in pieces], greatest_position(recording)
+    scale = greatest_position(recording)
     return TruePieces(
         pieces,
-        float(np.mean([piece.length for piece in pieces])) if pieces else math.nan,
-        _deviation(errors) if len(errors) > 1 else math.nan,
-        max(errors, key=abs, default=math.nan),
-        capability(errors, tolerance, scale),
+        *_spread(pieces, tolerance, scale),
         float(np.fmax.reduce(cuts.movement)) if len(cuts.movement) else 0.0,
         allowed_movement(scenario, tolerance),
         tolerance,
