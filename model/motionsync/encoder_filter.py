@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from . import var
 from .clock import Clock
-from .computable_range import clamp
-from .grid import floor
+from .numerics.computable_range import clamp
+from .numerics.grid import floor
 from .var import LARGEST_INPUT
 
 EQUAL = 1e-9  # of an interval; a difference up to it is the rounding of the importer's clock

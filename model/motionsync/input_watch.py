@@ -7,7 +7,7 @@ Source: the rules are motionsync's own.
 from dataclasses import dataclass
 
 from . import var
-from .computable_range import clamp
+from .numerics.computable_range import clamp
 from .var import Enumeration
 
 ROUNDED = 1e-8  # of the position: a difference up to here may be rounding, and harms nobody

@@ -8,11 +8,11 @@ co-simulation masters set inputs and step, and an exact master from a measured o
 from dataclasses import dataclass
 
 from . import var
-from .computable_range import clamp
 from .encoder_filter import EncoderFilter, correction, leading_acceleration
-from .grid import wrap
 from .input_watch import InputWarning, InputWatch
 from .master_path import MasterPath
+from .numerics.computable_range import clamp
+from .numerics.grid import wrap
 from .var import LARGEST_INPUT, Enumeration, Unit
 
 UNCERTAIN_TIMES = 3.0  # of the reaction time: so long noise, or an overshoot, may move a measured path one way

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from . import var
-from .computable_range import clamp
+from .numerics.computable_range import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
 BISECTIONS = 200  # this many halve any step down to neighbouring numbers, unless the root is below 1e-40 of the step

@@ -17,7 +17,7 @@ from math import inf
 from operator import eq
 from typing import Any, Protocol, Self, TypeVar, cast
 
-from .computable_range import LARGEST, SMALLEST_LIMIT
+from .numerics.computable_range import LARGEST, SMALLEST_LIMIT
 
 T = TypeVar("T")
 LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite

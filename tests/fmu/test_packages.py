@@ -84,8 +84,8 @@ def test_the_fmu_holds_what_the_block_imports_and_nothing_else(root: Path) -> No
         paths = [name.split("/", 2) for name in z.namelist() if name.startswith("resources/motionsync_")]
     own = {path for _, folder, path in paths if not folder.startswith("motionsync_fmu")}
     modules = (
-        *("__init__", "clock", "computable_range", "cosine", "encoder_filter", "grid", "input_watch"),
-        *("master", "master_path", "slave", "var"),
+        *("__init__", "clock", "encoder_filter", "input_watch", "master", "master_path", "slave", "var"),
+        *(f"numerics/{name}" for name in ("__init__", "computable_range", "cosine", "grid")),
     )
     assert own == {
         *(f"{name}.py" for name in modules),

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from motionsync.arcsine import arcsine
+from motionsync.numerics.arcsine import arcsine
 
 ERROR = 2e-16  # relative
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from motionsync.cosine import cosine
+from motionsync.numerics.cosine import cosine
 
 ANGLES = st.floats(-90.0, 90.0)
 ERROR = 3e-16

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from motionsync.cube_root import cube_root
+from motionsync.numerics.cube_root import cube_root
 
 
 @pytest.mark.parametrize(("x", "root"), [(0.0, 0.0), (1.0, 1.0), (8.0, 2.0), (27.0, 3.0), (1e-300, 1e-100)])

@@ -5,9 +5,9 @@ from collections import Counter
 
 import pytest
 
-from motionsync.axis_limits import AxisLimits
-from motionsync.exceeded_limit import ExceededLimit, Limit
 from motionsync.master import Master
+from motionsync.motion.axis_limits import AxisLimits
+from motionsync.motion.exceeded_limit import ExceededLimit, Limit
 from motionsync.slave import Slave
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper

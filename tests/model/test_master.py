@@ -12,9 +12,9 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from motionsync.grid import wrap
 from motionsync.master import Master, MasterInput
 from motionsync.master_path import MasterPath
+from motionsync.numerics.grid import wrap
 from tests.model.exact_paths import (
     EPS,
     TINY,

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from motionsync.motion import Motion, acceleration_limit, stopping_distance
+from motionsync.motion.jerk_limited import Motion, acceleration_limit, stopping_distance
 from tests.oracle.mp import mpq
 from tests.support.compiled import Compiled, equal
 from tests.support.fake_blocks.planner import Planner

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from motionsync.polynomial import EPSILON, ROUNDING, Polynomial
+from motionsync.numerics.polynomial import EPSILON, ROUNDING, Polynomial
 from tests.model.flying_saw.fake_blocks import RootFinder
 from tests.oracle.mp import Ratio, mpq
 from tests.oracle.roots import at, roots_inside

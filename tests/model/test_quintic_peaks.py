@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motionsync.laws import Quintic
-from motionsync.quintic_peaks import QuinticPeaks
+from motionsync.motion.laws import Quintic
+from motionsync.motion.quintic_peaks import QuinticPeaks
 from tests.oracle import mp
 from tests.oracle.rotary_knife_curves import Quintic as ExactQuintic
 

@@ -13,7 +13,7 @@ from fmpy.ssp.ssd import read_ssd
 from motionsync import CutToLength
 from motionsync.blocks import BLOCKS
 from motionsync.gearing.interface import StartMode
-from motionsync.laws import (
+from motionsync.motion.laws import (
     PARABOLA_PEAK_ACCELERATION,
     PARABOLA_TRAVEL,
     POLYNOMIAL_3_4_5_PEAK_ACCELERATION,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from motionsync.computable_range import SMALLEST_LIMIT
+from motionsync.numerics.computable_range import SMALLEST_LIMIT
 from motionsync.var import Role, Unit
 
 from .variables import Variable

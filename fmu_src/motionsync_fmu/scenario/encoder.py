@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.cosine import cosine
+from motionsync.numerics.cosine import cosine
 
 from .script import Script
 

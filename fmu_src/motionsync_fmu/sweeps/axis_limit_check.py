@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from motionsync.exceeded_limit import SETPOINT_TOLERANCE
+from motionsync.motion.exceeded_limit import SETPOINT_TOLERANCE
 from motionsync.var import Role
 
 from ..interface.variables import Variable

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cosine import cosine
 from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source, StartMode
@@ -16,9 +15,10 @@ from ..cutting.operation import Operation
 from ..cutting.outputs import show_line_request, show_orders
 from ..cutting.pieces import record_piece
 from ..cutting.records import PieceRecords, increased
-from ..exceeded_limit import ExceededLimit
-from ..grid import wrap
 from ..master import PathRefusal
+from ..motion.exceeded_limit import ExceededLimit
+from ..numerics.cosine import cosine
+from ..numerics.grid import wrap
 from .blade import Blade, stage_end
 from .carriage import Carriage, Stage
 from .carriage_curve import can_open_gap

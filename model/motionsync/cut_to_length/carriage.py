@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..exceeded_limit import end_tolerance
-from ..grid import rounding_tolerance
-from ..laws import chain_rule
 from ..master import Master
-from ..motion import stopping_distance
-from ..motion_start import MotionStart, attainable_acceleration
+from ..motion.exceeded_limit import end_tolerance
+from ..motion.jerk_limited import stopping_distance
+from ..motion.laws import chain_rule
+from ..motion.start import MotionStart, attainable_acceleration
+from ..numerics.grid import rounding_tolerance
 from ..var import Enumeration
 from .carriage_curve import CarriageCurve, gap_extremes
 from .homing_motion import HomingMotion

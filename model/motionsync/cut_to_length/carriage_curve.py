@@ -6,15 +6,15 @@ that a cut keeps its last bits however far the material has run.
 
 from dataclasses import dataclass
 
-from ..axis_limits import AxisLimits
-from ..computable_range import clamp
-from ..laws import (
+from ..motion.axis_limits import AxisLimits
+from ..motion.laws import (
     POLYNOMIAL_3_4_5_D1,
     POLYNOMIAL_3_4_5_D2,
     POLYNOMIAL_3_4_5_D3,
     half_ramp,
     polynomial_3_4_5,
 )
+from ..numerics.computable_range import clamp
 
 
 @dataclass(slots=True)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..master import Master
-from ..motion import Motion
-from ..motion_start import MotionStart
+from ..motion.jerk_limited import Motion
+from ..motion.start import MotionStart
 from .machine_limits import Machine, change_time, return_time
 
 FASTER = 1e-9  # of a velocity: by so much the line has become faster

@@ -8,8 +8,6 @@ counts. The README says why the one signal is wired and the other is watched.
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits
-from ..computable_range import LARGEST, SMALLEST_LIMIT
 from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
@@ -26,8 +24,10 @@ from ..cutting.interface import (
     Statistics,
 )
 from ..cutting.settings import PieceParameter
-from ..exceeded_limit import Limit
 from ..master import VELOCITY_SOURCES, Master
+from ..motion.axis_limits import AxisLimits
+from ..motion.exceeded_limit import Limit
+from ..numerics.computable_range import LARGEST, SMALLEST_LIMIT
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
 from .faults import Fault, SawParameter, SkipReason

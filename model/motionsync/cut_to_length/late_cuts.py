@@ -4,8 +4,8 @@ from ..cutting.interface import LateMode, Source, Statistics
 from ..cutting.material import Material
 from ..cutting.piece import PieceInProgress
 from ..cutting.records import increased
-from ..grid import floor, wrap
 from ..master import Master
+from ..numerics.grid import floor, wrap
 from ..var import Enumeration
 from .carriage import Carriage
 from .faults import SkipReason

@@ -8,7 +8,7 @@ All functions are finite for limits and inputs from 1e-12 to 1e12.
 from dataclasses import dataclass
 from math import sqrt
 
-from ..bracket import ROOT_TOLERANCE, next_try
+from ..numerics.bracket import ROOT_TOLERANCE, next_try
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
 CONVERGED = 1e-8  # of the peak of a return: after a step of Newton's method up to here, rounding is all that is left

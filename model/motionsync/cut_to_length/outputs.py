@@ -2,9 +2,9 @@
 
 from ..cutting.interface import PieceKind, Source
 from ..cutting.piece import PieceInProgress
-from ..exceeded_limit import ExceededLimit, Limit
-from ..grid import wrap
 from ..input_watch import InputWarning
+from ..motion.exceeded_limit import ExceededLimit, Limit
+from ..numerics.grid import wrap
 from .carriage import Carriage, Stage
 from .faults import Fault
 from .interface import CutToLengthInterface, State

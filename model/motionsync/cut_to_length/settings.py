@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits, limit_in_use
-from ..computable_range import LARGEST, is_usable
 from ..cutting.interface import LateMode
 from ..cutting.settings import LONGEST, PieceParameter, PieceSettings, has_narrow_window
+from ..motion.axis_limits import AxisLimits, limit_in_use
+from ..numerics.computable_range import LARGEST, is_usable
 from .faults import Refusal, SawParameter
 from .interface import Approach, CutToLengthInterface, Gap, Homing, Tool, ToolMode
 from .machine_limits import Machine

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import is_usable
+from ..numerics.computable_range import is_usable
 from ..slave import Edge
 from .faults import PieceFault
 from .interface import Calibration, Order, Statistics

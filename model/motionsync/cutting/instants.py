@@ -1,7 +1,7 @@
 """The instants of events inside a step: when a clock has reached a time."""
 
 from ..clock import Clock
-from ..motion import SAME_TIME
+from ..motion.jerk_limited import SAME_TIME
 
 NEVER = 1e300  # s since the step's beginning
 

@@ -6,7 +6,7 @@ Positions are unwrapped positions of the master at which a cut passes slave posi
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import floor, nearest_on_grid, rounding_tolerance
+from ..numerics.grid import floor, nearest_on_grid, rounding_tolerance
 from .faults import MarkRefusal, NoLength, PieceFault
 from .interface import Mark, PieceKind, Source, StartMode, Statistics
 from .marks import MarkQueue

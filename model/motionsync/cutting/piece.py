@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..grid import rounding_tolerance
+from ..numerics.grid import rounding_tolerance
 from .interface import PieceKind
 
 NO_ORDER = -1

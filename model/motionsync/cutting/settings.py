@@ -7,7 +7,7 @@ a group only if all of them are valid.
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, SMALLEST_LIMIT
+from ..numerics.computable_range import LARGEST, SMALLEST_LIMIT
 from ..var import Enumeration
 from .interface import ChangeMode, Mark, StartMode
 

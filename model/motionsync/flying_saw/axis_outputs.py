@@ -1,6 +1,6 @@
 """Outputs of the axis that follow from its stage and its setpoint: both states, and the limit that is exceeded."""
 
-from ..exceeded_limit import ExceededLimit, Limit
+from ..motion.exceeded_limit import ExceededLimit, Limit
 from .interface import FlyingSawInterface, PlcopenState, State
 from .stage import Stage
 

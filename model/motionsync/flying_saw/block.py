@@ -6,11 +6,11 @@ Source: TwinCAT's universal flying saw (TS5055) and PLCopen's function blocks. S
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import clamp
-from ..cosine import cosine
-from ..exceeded_limit import ExceededLimit, Limit
-from ..grid import wrap
-from ..motion import Motion
+from ..motion.exceeded_limit import ExceededLimit, Limit
+from ..motion.jerk_limited import Motion
+from ..numerics.computable_range import clamp
+from ..numerics.cosine import cosine
+from ..numerics.grid import wrap
 from .axis_outputs import show_limits, show_plcopen_state, show_state
 from .commands import Command, GearInVelo, Halt, Phase
 from .faults import Fault, Refusal

@@ -6,7 +6,7 @@ Source: TS5055, sections 6 and 12.3.2, the four values that TwinCAT reserves inc
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import wrap
+from ..numerics.grid import wrap
 from ..var import Unit
 from .extremes import Extremes
 from .profile import ProfileKind

@@ -9,7 +9,7 @@ control, TS5055, section 12.
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, SMALLEST_LIMIT
+from ..numerics.computable_range import LARGEST, SMALLEST_LIMIT
 from ..slave import Edge
 from ..var import Enumeration, Unit
 from .faults import Fault

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import inf
 
 from .. import var
-from ..motion import acceleration_limit
+from ..motion.jerk_limited import acceleration_limit
 from .segments import level_ramp_duration
 
 BISECTIONS = 200  # enough to halve any interval down to neighbouring numbers but for those next to 0

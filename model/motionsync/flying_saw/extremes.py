@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from math import inf, sqrt
 
 from .. import var
-from ..axis_limits import AxisLimits
-from ..exceeded_limit import PLAN_TOLERANCE, ExceededLimit
-from ..polynomial import ROUNDING, Polynomial
+from ..motion.axis_limits import AxisLimits
+from ..motion.exceeded_limit import PLAN_TOLERANCE, ExceededLimit
+from ..numerics.polynomial import ROUNDING, Polynomial
 from .profile import TERMS, Profile
 
 SAME_EXTREME = 1e-12  # of the greatest magnitude: values that differ by less are equal, and the first one counts

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits, are_ends_finite, limit_in_use
-from ..computable_range import is_usable
-from ..grid import wrap
 from ..master import Master
+from ..motion.axis_limits import AxisLimits, are_ends_finite, limit_in_use
+from ..numerics.computable_range import is_usable
+from ..numerics.grid import wrap
 from .commands import GearInVelo
 from .faults import Fault
 from .sync_mode import SyncMode

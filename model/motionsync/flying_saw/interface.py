@@ -8,9 +8,9 @@ machine and what is watched. The parts with variables of their own are in `saw_m
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits
-from ..computable_range import LARGEST
-from ..exceeded_limit import ExceededLimit, Limit
+from ..motion.axis_limits import AxisLimits
+from ..motion.exceeded_limit import ExceededLimit, Limit
+from ..numerics.computable_range import LARGEST
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
 from .characteristics import Characteristics

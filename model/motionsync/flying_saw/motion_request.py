@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits, are_ends_finite, limit_in_use
-from ..computable_range import is_usable
-from ..motion import Motion, acceleration_limit
-from ..motion_start import MotionStart
+from ..motion.axis_limits import AxisLimits, are_ends_finite, limit_in_use
+from ..motion.jerk_limited import Motion, acceleration_limit
+from ..motion.start import MotionStart
+from ..numerics.computable_range import is_usable
 from ..slave import Slave
 from .commands import Halt, Limited, MoveAbsolute, MoveVelocity
 from .faults import Fault

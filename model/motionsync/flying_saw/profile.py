@@ -8,9 +8,9 @@ follows the same curve over the master's position. Source: TS5055, sections 3, 4
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import clamp
-from ..laws import Quintic, chain_rule, quintic
-from ..motion import Motion
+from ..motion.jerk_limited import Motion
+from ..motion.laws import Quintic, chain_rule, quintic
+from ..numerics.computable_range import clamp
 from ..var import Enumeration
 
 TERMS = 6  # coefficients of a segment

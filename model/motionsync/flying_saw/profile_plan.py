@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from math import isfinite
 
 from .. import var
-from ..computable_range import SHORTEST_TIME, to_computable_rate
-from ..laws import Quintic
-from ..motion import Motion, acceleration_limit
+from ..motion.jerk_limited import Motion, acceleration_limit
+from ..motion.laws import Quintic
+from ..numerics.computable_range import SHORTEST_TIME, to_computable_rate
 from .checks import TOLERANCE, find_dynamics_fault, find_position_fault, find_velocity_fault
 from .constant_velocity import ConstantVelocity
 from .extremes import Extremes

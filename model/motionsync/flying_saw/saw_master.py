@@ -6,8 +6,8 @@ Source: TS5055, section 7, note.
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST
 from ..master import Master
+from ..numerics.computable_range import LARGEST
 from ..var import Unit
 
 

@@ -6,7 +6,7 @@ Source: TS5055, section 7.
 
 from math import sqrt
 
-from ..computable_range import SHORTEST_TIME
+from ..numerics.computable_range import SHORTEST_TIME
 from .profile import Profile, ProfileKind
 
 SAME_DISTANCE = 1e-12  # of the change of velocity: the mean velocity is in the middle of both ends, but for rounding

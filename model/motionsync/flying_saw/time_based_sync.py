@@ -5,7 +5,7 @@ Source: TS5055, section 5 (GEARINSYNCMODE_TIMEBASED).
 
 from dataclasses import dataclass
 
-from ..motion import Motion, acceleration_limit
+from ..motion.jerk_limited import Motion, acceleration_limit
 from .gear_in_request import GearInRequest
 
 SAME_ACCELERATION = 1e-9  # of the acceleration limit: a smaller difference is rounding

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, clamp, is_usable
-from ..grid import nearest_on_grid, wrap
-from ..laws import chain_rule
 from ..master import MasterInput, PathRefusal
-from ..motion import Motion
+from ..motion.jerk_limited import Motion
+from ..motion.laws import chain_rule
+from ..numerics.computable_range import LARGEST, clamp, is_usable
+from ..numerics.grid import nearest_on_grid, wrap
 from ..slave import Edge
 from .cycle_sequence import CycleSequence
 from .faults import DropReason, Fault, Refusal

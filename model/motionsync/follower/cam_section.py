@@ -7,8 +7,8 @@ of the slave's position by the master's (S/M, S/M2, S/M3).
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import clamp
-from ..laws import Quintic, half_ramp, half_ramp_mirrored
+from ..motion.laws import Quintic, half_ramp, half_ramp_mirrored
+from ..numerics.computable_range import clamp
 from ..var import Enumeration
 
 FAR = 1e300  # beyond every position of the master

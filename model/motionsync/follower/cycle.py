@@ -7,7 +7,7 @@ in M, slave positions in S, ratios k in S/M.
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import floor
+from ..numerics.grid import floor
 from .cam_section import FAR, CamSection
 from .faults import Fault
 from .interface import LEAST_LENGTH, FollowerInterface

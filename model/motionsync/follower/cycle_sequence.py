@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import floor
-from ..quintic_peaks import QuinticPeaks
+from ..motion.quintic_peaks import QuinticPeaks
+from ..numerics.grid import floor
 from .cam_section import FAR
 from .cycle import CycleState
 from .faults import DropReason, Fault

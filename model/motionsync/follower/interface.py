@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, is_usable
 from ..master import Master
+from ..numerics.computable_range import LARGEST, is_usable
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
 from .faults import DropReason, Fault

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..computable_range import is_usable
-from ..grid import first_on_grid_from, wrap
+from ..numerics.computable_range import is_usable
+from ..numerics.grid import first_on_grid_from, wrap
 from .interface import FollowerInterface
 
 JUST_PASSED = 1e-12  # of a period: a value of sync_master that is less ahead than this has just been passed

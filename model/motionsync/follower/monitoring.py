@@ -1,6 +1,6 @@
 """The monitored limits: max_speed and max_acceleration, each with its switch. Source: Robox mv_follow2."""
 
-from ..quintic_peaks import QuinticPeaks
+from ..motion.quintic_peaks import QuinticPeaks
 from .faults import Fault
 from .interface import FollowerInterface
 from .stages import Stage, limit_faults

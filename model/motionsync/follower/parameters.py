@@ -5,7 +5,7 @@ earlier value is in `CycleState`. `park` is where the slave is parked, which may
 and travels of the master are in M, those of the slave in S; k is `k_slave_master`, in S/M.
 """
 
-from ..computable_range import LARGEST, is_usable
+from ..numerics.computable_range import LARGEST, is_usable
 from .faults import Fault
 from .interface import LEAST_LENGTH, FollowerInterface
 

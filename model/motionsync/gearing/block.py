@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import clamp
-from ..grid import wrap
+from ..numerics.computable_range import clamp
+from ..numerics.grid import wrap
 from ..slave import Edge
 from .faults import Fault, Refusal
 from .interface import GearingInterface, State

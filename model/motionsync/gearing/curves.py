@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..computable_range import clamp
-from ..grid import grid_tolerance
-from ..laws import Quintic, half_ramp, half_ramp_mirrored
+from ..motion.laws import Quintic, half_ramp, half_ramp_mirrored
+from ..numerics.computable_range import clamp
+from ..numerics.grid import grid_tolerance
 
 SAME_TIME = 1e-13  # of a step's or a transition's time: a time that is shorter is taken for a rounding error
 

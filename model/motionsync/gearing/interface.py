@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST
 from ..master import Master
+from ..numerics.computable_range import LARGEST
 from ..slave import Slave
 from ..var import LARGEST_INPUT, Enumeration, Unit
 from .faults import Fault

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import first_on_grid_ahead, nearest_on_grid, wrap
-from ..laws import chain_rule
+from ..motion.laws import chain_rule
+from ..numerics.grid import first_on_grid_ahead, nearest_on_grid, wrap
 from .curves import MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault
 from .interface import GearingInterface, Ratio, State, Transition

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from ..grid import ROUNDING, rounding_tolerance
 from ..master import Master
 from ..master_path import MasterPath
+from ..numerics.grid import ROUNDING, rounding_tolerance
 from ..var import LARGEST_INPUT
 from .curves import SAME_TIME
 from .line import direction_of

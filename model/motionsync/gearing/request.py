@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..computable_range import LARGEST
+from ..numerics.computable_range import LARGEST
 from ..var import Enumeration
 from .faults import Fault
 from .interface import LEAST, GearIn, GearOut, Ratio, StartMode, StopMode, Transition

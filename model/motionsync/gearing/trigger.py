@@ -1,7 +1,7 @@
 """Triggers: positions base + n spacing of the master at which a waiting manoeuvre starts; with spacing 0 only one."""
 
-from ..grid import first_on_grid_ahead, grid_tolerance
 from ..master import Master
+from ..numerics.grid import first_on_grid_ahead, grid_tolerance
 from .line import direction_of
 from .master_point import MasterPoint, goes_on
 from .request import ManoeuvreRequest

@@ -6,9 +6,7 @@ Source: what vendors' packages for cross cutters do has been collected and decid
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import AxisLimits
 from ..clock import Clock
-from ..computable_range import LARGEST
 from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import LateMode, PieceKind, Source, StartMode
@@ -18,10 +16,12 @@ from ..cutting.outputs import show_line_request, show_orders
 from ..cutting.piece import UNLIMITED
 from ..cutting.pieces import can_change_pieces, record_piece
 from ..cutting.records import PieceRecords, increased
-from ..exceeded_limit import ExceededLimit
-from ..grid import wrap
-from ..laws import chain_rule
 from ..master import PathRefusal
+from ..motion.axis_limits import AxisLimits
+from ..motion.exceeded_limit import ExceededLimit
+from ..motion.laws import chain_rule
+from ..numerics.computable_range import LARGEST
+from ..numerics.grid import wrap
 from .curves import SHORTEST_WAY, Peaks
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure

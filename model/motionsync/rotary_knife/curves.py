@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..computable_range import clamp
-from ..laws import Quintic
-from ..quintic_peaks import QuinticPeaks
+from ..motion.laws import Quintic
+from ..motion.quintic_peaks import QuinticPeaks
+from ..numerics.computable_range import clamp
 from .knife import Knife
 from .window import CurvePoint, Cut, Window
 

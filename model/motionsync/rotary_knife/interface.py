@@ -8,7 +8,6 @@ counts; the knife turns in the slave's own unit.
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, SMALLEST_LIMIT
 from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
@@ -25,8 +24,9 @@ from ..cutting.interface import (
     Statistics,
 )
 from ..cutting.settings import PieceParameter
-from ..exceeded_limit import Limit
 from ..master import VELOCITY_SOURCES, Master
+from ..motion.exceeded_limit import Limit
+from ..numerics.computable_range import LARGEST, SMALLEST_LIMIT
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
 from .faults import KnifeLimit, KnifeParameter, SkipReason

@@ -4,7 +4,7 @@ from ..cutting.interface import Source, Statistics
 from ..cutting.material import Material
 from ..cutting.piece import UNLIMITED
 from ..cutting.records import increased
-from ..grid import floor
+from ..numerics.grid import floor
 from .departure import MOST_PLACES, Departure
 from .knife import Knife
 from .window import Window

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..bracket import ITERATIONS
-from ..cube_root import cube_root
 from ..cutting.piece import UNLIMITED
-from ..laws import POLYNOMIAL_3_4_5_D1, POLYNOMIAL_3_4_5_D2, POLYNOMIAL_3_4_5_D3
+from ..motion.laws import POLYNOMIAL_3_4_5_D1, POLYNOMIAL_3_4_5_D2, POLYNOMIAL_3_4_5_D3
+from ..numerics.bracket import ITERATIONS
+from ..numerics.cube_root import cube_root
 from .curves import FAR_BACK, Peaks, Way, ramp_down_travel, ramp_up_travel
 from .knife import Knife
 from .velocity import admissible_velocity

@@ -3,9 +3,9 @@
 from ..cutting.faults import PieceFault
 from ..cutting.interface import PieceKind, Source
 from ..cutting.piece import PieceInProgress
-from ..exceeded_limit import ExceededLimit, Limit
-from ..grid import wrap
 from ..input_watch import InputWarning
+from ..motion.exceeded_limit import ExceededLimit, Limit
+from ..numerics.grid import wrap
 from .curves import Peaks
 from .cycle import Stage
 from .interface import RotaryKnifeInterface, State

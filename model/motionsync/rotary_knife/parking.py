@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..grid import floor
-from ..motion import Motion, stopping_distance
-from ..motion_start import attainable_acceleration
+from ..motion.jerk_limited import Motion, stopping_distance
+from ..motion.start import attainable_acceleration
+from ..numerics.grid import floor
 from .knife import Knife
 from .window import PARK_MARGIN
 

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..computable_range import LARGEST, is_usable
 from ..cutting.interface import LateMode
 from ..cutting.settings import PieceParameter, PieceSettings, has_narrow_window
-from ..grid import floor
+from ..numerics.computable_range import LARGEST, is_usable
+from ..numerics.grid import floor
 from .faults import KnifeParameter, Refusal
 from .interface import GREATEST_OVERSPEED, LEAST_OVERSPEED, RotaryKnifeInterface, SyncMode
 from .knife import Knife

@@ -6,7 +6,7 @@ jerk d3 v3; the axis's limits of these give the greatest v.
 
 from math import sqrt
 
-from ..cube_root import cube_root
+from ..numerics.cube_root import cube_root
 from .curves import Peaks
 from .knife import Knife
 

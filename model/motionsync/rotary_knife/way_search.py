@@ -8,7 +8,7 @@ a TANGENTIAL one is 0 at S/k' and, beyond, greatest at 3/2 S/k'). For ways that 
 from dataclasses import dataclass
 
 from .. import var
-from ..bracket import ITERATIONS, Bracket
+from ..numerics.bracket import ITERATIONS, Bracket
 from .curves import TURNING_BACK, Peaks, Way
 from .knife import Knife
 from .velocity import admissible_velocity

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..arcsine import arcsine
-from ..computable_range import clamp
-from ..cosine import cosine
+from ..numerics.arcsine import arcsine
+from ..numerics.computable_range import clamp
+from ..numerics.cosine import cosine
 from .knife import Knife
 
 WIDEST_HALF = 0.15  # of the circumference, for either half of a HORIZONTAL window; at 1 / (2 pi) the edge moves upright

@@ -6,8 +6,8 @@ Source: PAM synchronizer pipe block (1998). README.md in this folder gives the d
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import wrap
-from ..laws import chain_rule
+from ..motion.laws import chain_rule
+from ..numerics.grid import wrap
 from ..slave import Edge
 from ..var import Enumeration
 from .faults import Fault, Refusal

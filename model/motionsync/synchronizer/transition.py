@@ -11,9 +11,7 @@ gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp go
 
 from dataclasses import dataclass
 
-from ..computable_range import clamp
-from ..grid import first_on_grid_from
-from ..laws import (
+from ..motion.laws import (
     PARABOLA_PEAK_ACCELERATION,
     PARABOLA_TRAVEL,
     POLYNOMIAL_3_4_5_PEAK_ACCELERATION,
@@ -22,6 +20,8 @@ from ..laws import (
     parabola,
     polynomial_3_4_5,
 )
+from ..numerics.computable_range import clamp
+from ..numerics.grid import first_on_grid_from
 from .interface import Curve
 
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from motionsync.cut_to_length.faults import Fault
 from motionsync.cut_to_length.interface import State, ToolMode
-from motionsync.exceeded_limit import Limit
 from motionsync.master import MasterInput
+from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.stepper import RefusedError
 from tests.model.cut_to_length.harness import CutToLengthHarness, near, started_machine
 from tests.model.cut_to_length.scripted_runs import find_differences, simulate

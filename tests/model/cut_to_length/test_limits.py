@@ -26,7 +26,7 @@ from motionsync.cut_to_length.machine_limits import (
     stroke,
     way_out,
 )
-from motionsync.motion import Motion
+from motionsync.motion.jerk_limited import Motion
 from tests.model.cut_to_length.harness import machine_data
 from tests.model.cut_to_length.machine_results import EACH_RESULT, MACHINES, Result, pitch_without_jerk, to
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from motionsync import var
 from motionsync.flying_saw.extremes import Extremes
 from motionsync.flying_saw.profile import Profile
-from motionsync.polynomial import Polynomial
+from motionsync.numerics.polynomial import Polynomial
 
 
 @dataclass(slots=True)

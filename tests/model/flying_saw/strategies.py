@@ -7,7 +7,6 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.exceeded_limit import Limit
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
@@ -16,6 +15,7 @@ from motionsync.flying_saw.saw_master import coupling_acceleration
 from motionsync.flying_saw.stage import Stage
 from motionsync.flying_saw.sync_mode import SyncMode
 from motionsync.master import MasterInput
+from motionsync.motion.exceeded_limit import Limit
 from tests.support.masters import INPUT_MODES, WanderingMaster
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motionsync.exceeded_limit import Limit
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
+from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from motionsync.exceeded_limit import Limit
+from motionsync.motion.exceeded_limit import Limit
 from tests.model.flying_saw.harness import FlyingSawHarness, near
 from tests.oracle.flying_saw import reference
 

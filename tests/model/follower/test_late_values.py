@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from motionsync.follower.cam_section import CamSection
 from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
-from motionsync.quintic_peaks import QuinticPeaks
+from motionsync.motion.quintic_peaks import QuinticPeaks
 from tests.model.follower.harness import RECOVERING, FollowerHarness, near, parked, quintic
 
 

@@ -2,7 +2,7 @@
 
 from motionsync.gearing.curves import gear_in_curve, gear_out_curve
 from motionsync.gearing.line import SynchronousLine, direction_of
-from motionsync.grid import first_on_grid_ahead, nearest_on_grid
+from motionsync.numerics.grid import first_on_grid_ahead, nearest_on_grid
 
 
 def test_the_curve_on_to_the_line_and_the_one_off_it() -> None:

@@ -3,7 +3,7 @@
 from random import Random
 from typing import Any
 
-from motionsync.exceeded_limit import Limit
+from motionsync.motion.exceeded_limit import Limit
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode, Warnings

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from motionsync.laws import chain_rule
+from motionsync.motion.laws import chain_rule
 from motionsync.rotary_knife.curves import FAR_BACK, Section, Way, ramp_travel, ramp_up_travel
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window

@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from motionsync.cutting.piece import UNLIMITED
-from motionsync.laws import chain_rule
+from motionsync.motion.laws import chain_rule
 from motionsync.rotary_knife.curves import Peaks
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.limits import NO_LENGTH, CycleLimit, EarliestCut, LengthLimits

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from motionsync.grid import floor
+from motionsync.numerics.grid import floor
 from motionsync.synchronizer.interface import Curve
 from motionsync.synchronizer.transition import PhasingTransition, half_law
 from tests.model.synchronizer.ramp_results import RAMP_RESULTS

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from motionsync import var
 from motionsync.flying_saw.faults import Refusal
-from motionsync.motion import Motion
+from motionsync.motion.jerk_limited import Motion
 
 
 @dataclass(slots=True)

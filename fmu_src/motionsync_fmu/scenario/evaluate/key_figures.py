@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motionsync.exceeded_limit import SETPOINT_TOLERANCE
+from motionsync.motion.exceeded_limit import SETPOINT_TOLERANCE
 from motionsync.var import Role, Unit
 
 from ...interface.roles import find_by_role

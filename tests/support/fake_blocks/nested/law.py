@@ -1,7 +1,7 @@
 """How far the slave may go: a module that imports from the packages around it."""
 
-from ..computable_range import clamp
-from ..cosine import cosine
+from ..numerics.computable_range import clamp
+from ..numerics.cosine import cosine
 
 FARTHEST = 1e9
 

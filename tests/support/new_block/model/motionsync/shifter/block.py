@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import wrap
+from ..numerics.grid import wrap
 from ..slave import Edge
 from ..var import Enumeration
 from .faults import Fault, Refusal

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from . import var
-from .computable_range import LARGEST
-from .var import Role, Unit
+from .. import var
+from ..numerics.computable_range import LARGEST
+from ..var import Role, Unit
 
 
 @dataclass(slots=True)

@@ -6,13 +6,13 @@ a motion can ask for more than the axis can do. The block outputs it all the sam
 
 from dataclasses import dataclass
 
-from . import var
+from .. import var
+from ..master import Master
+from ..numerics.computable_range import clamp
+from ..numerics.grid import nearest_on_grid
+from ..slave import Slave
+from ..var import Enumeration
 from .axis_limits import AxisLimits
-from .computable_range import clamp
-from .grid import nearest_on_grid
-from .master import Master
-from .slave import Slave
-from .var import Enumeration
 
 PLAN_TOLERANCE = 1e-9  # of a limit: rounding of a plan
 SETPOINT_TOLERANCE = 1e-6  # of a limit: rounding of a setpoint, whose acceleration loses digits far from position 0

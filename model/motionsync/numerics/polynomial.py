@@ -7,7 +7,7 @@ roots of the highest derivative, a straight line, lead down to those of the poly
 from dataclasses import dataclass
 from math import isfinite
 
-from . import var
+from .. import var
 
 TERMS = 7  # coefficients of the highest degree
 EPSILON = 1.0 / 4503599627370496.0  # 2^-52

@@ -10,9 +10,9 @@ PLCopen's move_velocity, move_absolute and halt.
 from dataclasses import dataclass
 from math import sqrt
 
-from . import var
-from .clock import Clock
-from .computable_range import SHORTEST_TIME, clamp, to_computable_rate
+from .. import var
+from ..clock import Clock
+from ..numerics.computable_range import SHORTEST_TIME, clamp, to_computable_rate
 
 SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
 BISECTIONS = 200  # enough to halve any segment down to neighbouring numbers but for roots below 1e-40 of it

@@ -7,10 +7,10 @@ So it goes on from what the axis could have had.
 
 from dataclasses import dataclass
 
-from . import var
-from .computable_range import clamp, is_usable
+from .. import var
+from ..numerics.computable_range import clamp, is_usable
 from .exceeded_limit import SETPOINT_TOLERANCE, ExceededLimit, Limit
-from .motion import stopping_distance
+from .jerk_limited import stopping_distance
 
 
 @dataclass(slots=True)

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from . import var
+from .. import var
+from ..numerics.polynomial import Polynomial
 from .laws import Quintic
-from .polynomial import Polynomial
 
 
 @dataclass(slots=True)

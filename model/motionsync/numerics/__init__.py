@@ -1,0 +1,1 @@
+"""Numbers: ranges that can be computed with, roots, and elementary functions whose bits are the same everywhere."""
