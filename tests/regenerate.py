@@ -21,8 +21,8 @@ from motionsync.master import MasterInput
 from motionsync_fmu.fmus.zip import zip_bytes
 from motionsync_fmu.interface.block_folder import block_file
 from motionsync_fmu.interface.build_time import FIRST_INSTANT
+from motionsync_fmu.scenario.evaluate.csv_files import csv_text
 from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, reference_file
-from motionsync_fmu.scenario.evaluate.reference_files import csv_text
 from motionsync_fmu.scenario.files import example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files

@@ -20,6 +20,7 @@ from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.fmus.zip import zip_bytes
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.scenario.evaluate.csv_files import command_line, inputs_csv
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.reference_comparison import (
     ARCHIVE,
@@ -27,7 +28,6 @@ from motionsync_fmu.scenario.evaluate.reference_comparison import (
     find_reference,
     reference_file,
 )
-from motionsync_fmu.scenario.evaluate.reference_files import command_line, inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.sweeps.expressions import parse, sort_by_need
+from motionsync_fmu.scenario.variation.expressions import parse, sort_by_need
 
 NAMES = ("length", "master.velocity", "master.segments.1.acceleration", "cuts.while", "_0")
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
-from ..interface.quantities import check_ends, convert, is_quantity
+from ...errors import UserError
+from ...interface.quantities import check_ends, convert, is_quantity
 from .expressions import Array, Expression, parse
 
 HELP = (

@@ -18,15 +18,15 @@ from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
-from ..errors import UserError, choose
-from ..interface.units import unit_name
-from ..interface.variables import Variable
-from ..scenario.files.quantities import KeyPath, measured_kind
-from ..scenario.files.reader import BlockReader, read_scenario, read_tables
-from ..scenario.files.toml_tables import TomlTable, read_file
-from ..scenario.files.variable_tables import Subject
-from ..scenario.scenario import Scenario
-from .factors import ValueKind
+from ...errors import UserError, choose
+from ...interface.units import unit_name
+from ...interface.variables import Variable
+from ..files.quantities import KeyPath, measured_kind
+from ..files.reader import BlockReader, read_scenario, read_tables
+from ..files.toml_tables import TomlTable, read_file
+from ..files.variable_tables import Subject
+from ..scenario import Scenario
+from .values import ValueKind
 
 T = TypeVar("T")
 NAMED = ("start", "set", "on", "expect")  # tables whose keys are names of variables

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
+from ...errors import UserError
 
 Array = np.ndarray[Any, np.dtype[Any]]
 """Values of one factor for several runs, shape (runs,): numbers, Booleans or texts."""

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.sweeps.expressions import Expression
-from motionsync_fmu.sweeps.factors import Linear, Listed, Range, ValueKind, read_values, split_setting
+from motionsync_fmu.scenario.variation.expressions import Expression
+from motionsync_fmu.scenario.variation.values import Linear, Listed, Range, ValueKind, read_values, split_setting
 
 REAL, INTEGER, BOOLEAN = ValueKind("Real"), ValueKind("Integer"), ValueKind("Boolean")
 VELOCITY = ValueKind("Real", unit="mm/s")

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import UserError
-from ..interface.quantities import describe_number
-from ..scenario.scenario import Scenario
+from ...errors import UserError
+from ...interface.quantities import describe_number
+from ..scenario import Scenario
 from .expressions import Expression
-from .factors import Listed, read_values
 from .scenario_variation import ScenarioVariation, Target
+from .values import Listed, read_values
 
 
 def with_overrides(text: str, file: Path, overrides: Mapping[str, str]) -> Scenario:

@@ -13,7 +13,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files, shipped_folder
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
-from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
+from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
 
 SAW = """\
 fmu = "FlyingSaw"
