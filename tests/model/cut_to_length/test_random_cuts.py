@@ -1,11 +1,22 @@
-"""Some thousand random cuts on random machines: checked by the same rules as in the benchmark."""
+"""Some thousand random cuts on random machines."""
 
 from dataclasses import replace
 
 import pytest
-from random_cuts import CUTS, OUTPUTS, Machines, count_cuts, draw_machines, find_broken_rules, limit_shares, simulate
 
 from motionsync_fmu.batch.simulation import BatchResult
+from tests.model.cut_to_length.random_cuts import (
+    CUTS,
+    OUTPUTS,
+    Machines,
+    count_cuts,
+    draw_machines,
+    find_broken_rules,
+    limit_shares,
+    simulate,
+)
+
+pytestmark = pytest.mark.slow
 
 NUMBER = 240
 

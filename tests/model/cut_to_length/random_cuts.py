@@ -1,37 +1,27 @@
-"""Cuts random pieces on random machines, and counts the limits that are broken: there must be none.
-
-    python benchmarks/random_cuts.py [--cuts 100000] [--seed 1]
+"""Random pieces cut on random machines: no limit may be broken, and each cut has to be where and when it should.
 
 Half of the machines are ones that might be built, half are wild: sizes, times and limits over many powers of ten. Each
 reports first how fast its line may run (`limits.max_line_velocity`, at standstill). Then the line runs at a constant
 velocity: seven in ten at 0.2 to 0.999999 of that, so that every cut has to be on time, the others at up to 1.5 times
-that, so that cuts are left out, or made late. Each run is checked by `find_broken_rules`, which
-tests/benchmarks/test_random_cuts.py applies as well.
+that, so that cuts are left out, or made late.
 """
 
-import argparse
-import os
-import time
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dice import Bools, Dice, Reals
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.cutting.interface import LateMode, PieceKind
 from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.batch.simulation import BatchResult, simulate_many
+from tests.support.dice import Bools, Dice, Reals
 
 Values = dict[str, Any]
 
-CHUNK = 1_000  # machines at a time
 CUTS = 12  # pitches that pass in a run
 STEPS = 40 * CUTS
 SHARP = 0.999999  # of the highest line velocity: so near to it every cut is still on time
@@ -298,9 +288,6 @@ def _least_cut_count(machines: Machines) -> Reals:
     return np.floor((end - begin) / machines.pitch) - 1.0
 
 
-# --- the report ---
-
-
 def count_cuts(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.int64]]:
     """Of each group: its machines, and their cuts, cuts left out and late cuts."""
     counts = [result[f"statistics.{name}"][:, -1] for name in ("cuts", "skipped", "late")]
@@ -308,55 +295,3 @@ def count_cuts(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.
     return {
         name: np.array([group.sum(), *(x[group].sum() for x in counts)], np.int64) for name, group in groups.items()
     }
-
-
-def result_tables(counts: dict[str, NDArray[np.int64]], used: dict[str, float]) -> Iterator[Any]:
-    table = Table("line", "machines", "cuts", "left out", "late", box=None)
-    for name, figures in counts.items():
-        table.add_row(name, *(f"{n:,}" for n in figures.tolist()))
-    yield table
-    table = Table("limit", "greatest share used", box=None)
-    for name, share in used.items():
-        table.add_row(name, f"{share:.9f}")
-    yield table
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cuts", type=int, default=100_000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    console = Console(highlight=False, width=120)
-    simulate(draw_machines(0, 10))  # compiles
-    counts: dict[str, NDArray[np.int64]] = {}
-    used: dict[str, float] = {}
-    wrong: Counter[str] = Counter()
-    seconds, cuts, chunk = 0.0, 0, 0
-    while cuts < options.cuts:
-        seed = options.seed * 1_000_000 + chunk
-        machines = draw_machines(seed, CHUNK)
-        begin_time = time.perf_counter()
-        result = simulate(machines)
-        seconds += time.perf_counter() - begin_time
-        counts = {name: counts.get(name, 0) + n for name, n in count_cuts(machines, result).items()}
-        moves = machines.velocity > 0.0
-        used = {name: max(used.get(name, 0.0), float(x[moves].max())) for name, x in limit_shares(machines, result)}
-        for name, instances in find_broken_rules(machines, result).items():
-            wrong[name] += len(instances)
-            console.print(f"broken: {name}: seed {seed}, machines {instances[:10].tolist()}")
-        cuts = sum(int(figures[1]) for figures in counts.values())
-        chunk += 1
-    for table in result_tables(counts, used):
-        console.print(table)
-        console.print()
-    console.print(
-        f"{cuts:,} cuts in {seconds:.1f} s, {os.cpu_count()} cores: {cuts / seconds:,.0f} cuts/s, "
-        f"{chunk * CHUNK * STEPS / seconds / 1e6:.1f} million steps/s"
-    )
-    console.print("Limits and rules broken: " + (", ".join(f"{name}: {n}" for name, n in wrong.items()) or "0"))
-    if wrong:
-        raise SystemExit(1)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,14 +1,23 @@
-"""Some ten thousand random gear_in_pos plans, followed to their ends, with the benchmark's checks."""
+"""Some ten thousand random gear_in_pos plans, followed to their ends."""
 
 import numpy as np
 import pytest
-from plans import CHUNK, Requests, coded, draw_requests, find_broken_rules, outcome, simulate
 
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync_fmu.batch.simulation import BatchResult
+from tests.model.flying_saw.random_plans import (
+    Requests,
+    coded,
+    draw_requests,
+    find_broken_rules,
+    outcome,
+    simulate,
+)
 
-SEEDS = range(8)
+pytestmark = pytest.mark.slow
+
+SEEDS, CHUNK = range(8), 5_000  # plans at a time: their results take 100 MB
 
 
 @pytest.fixture(scope="module", params=SEEDS)

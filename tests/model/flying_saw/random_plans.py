@@ -1,27 +1,18 @@
-"""Follows a great many random gear_in_pos plans to their ends: what is planned, what is refused, whether rules hold.
-
-    python benchmarks/plans.py [--plans 1000000] [--seed 1]
+"""A great many random gear_in_pos plans, followed to their ends: what is planned, what is refused, whether rules hold.
 
 Half of the plans are ones that a machine might ask for, half are wild: sizes, times, ratios and limits over many powers
 of ten. The slave is at rest, moves at its initial velocity, or is under way by another command; the master has either
 direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity, so that the characteristics must
-bound what the slave does. Each plan is checked by `find_broken_rules`, which tests/benchmarks/test_plans.py applies as
-well.
+bound what the slave does.
 """
 
-import argparse
-import os
-import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dice import Bools, Dice, Reals
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
@@ -30,10 +21,10 @@ from motionsync.flying_saw.profile import ProfileKind
 from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.batch.simulation import BatchResult, simulate_many
 from motionsync_fmu.interface.variables import variables
+from tests.support.dice import Bools, Dice, Reals
 
 Values = dict[str, Any]
 
-CHUNK = 5_000  # plans at a time: their results take 100 MB
 STEPS = 26  # of a run: one before the edge, a short one at it, and those that follow the profile a little past its end
 EDGE = 1  # the step at whose beginning the command is given
 PAST = 1.05  # of the profile's duration: the profile has ended then
@@ -187,9 +178,8 @@ def _path(
     }
 
 
-def simulate(requests: Requests, steps: int = STEPS) -> BatchResult:
-    inputs = {name: values[:, :steps] for name, values in requests.inputs.items()}
-    return simulate_many(FlyingSaw, requests.step_size[:, :steps], inputs, [*OUTPUTS, *WHOLE], start=requests.start)
+def simulate(requests: Requests) -> BatchResult:
+    return simulate_many(FlyingSaw, requests.step_size, requests.inputs, [*OUTPUTS, *WHOLE], start=requests.start)
 
 
 # --- what became of the plans ---
@@ -350,58 +340,3 @@ def _range(values: Reals) -> tuple[Reals, Reals]:
     """The least and the greatest of each row; for a row without values inf and -inf."""
     minimum = np.where(np.isnan(values), np.inf, values).min(axis=1)
     return minimum, np.where(np.isnan(values), -np.inf, values).max(axis=1)
-
-
-# --- the report ---
-
-
-def count_table(counted: Counter[str], plans: int) -> Any:
-    table = Table("accepted", "plans", "share", box=None)
-    names = [kind.name for kind in ProfileKind] + [f"0x{fault:04X} {fault.name}" for fault in Fault if fault]
-    accepted = sum(counted[kind.name] for kind in ProfileKind)
-    for name in names:
-        if name == f"0x{Fault.SLAVE_MOVING:04X} {Fault.SLAVE_MOVING.name}":
-            continue  # only gear_in_velo has this fault
-        table.add_row(name, f"{counted[name]:,}", f"{counted[name] / plans:.3%}")
-    table.add_row("all accepted", f"{accepted:,}", f"{accepted / plans:.3%}")
-    return table
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--plans", type=int, default=1_000_000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    console = Console(highlight=False, width=120)
-    simulate(draw_requests(0, 10))  # compiles
-    counted: Counter[str] = Counter()
-    wrong: Counter[str] = Counter()
-    seconds, alone = [], []
-    plans = 0
-    while plans < options.plans:
-        seed, number = options.seed * 1_000_000 + plans // CHUNK, min(CHUNK, options.plans - plans)
-        requests = draw_requests(seed, number)
-        start = time.perf_counter()
-        result = simulate(requests)
-        seconds.append(time.perf_counter() - start)
-        start = time.perf_counter()
-        simulate(requests, EDGE + 1)
-        alone.append(time.perf_counter() - start)
-        counted += outcome(result).count()
-        for name, instances in find_broken_rules(requests, result).items():
-            wrong[name] += len(instances)
-            console.print(f"broken: {name}: seed {seed}, instances {instances[:10].tolist()}")
-        plans += number
-    console.print(count_table(counted, plans))
-    console.print(
-        f"\n{plans:,} plans, {os.cpu_count()} cores: {plans / sum(seconds):,.0f} plans/s, each followed for {STEPS} "
-        f"steps; {plans / sum(alone):,.0f} plans/s with the planning step alone. The slowest {CHUNK:,} took "
-        f"{max(seconds):.2f} s."
-    )
-    console.print("Broken: " + (", ".join(f"{name}: {n}" for name, n in wrong.items()) or "nothing"))
-    if wrong:
-        raise SystemExit(1)
-
-
-if __name__ == "__main__":
-    main()
