@@ -7,18 +7,14 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from motionsync.follower.block import Follower
 from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
-from tests.model.follower import strategies as drive_follower
 from tests.model.follower.harness import FollowerHarness
-from tests.support.finite import run_finite
 from tests.support.harness import MOTION
-from tests.support.runs import BlockRun
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 TICK = 2.0**-20  # s
@@ -378,15 +374,3 @@ def test_the_unit_of_the_slave_does_not_matter(machine: Machine, rng: Random, fa
         other.run(duration)
         assert factor * machine.apart(other.position / factor, one.position) <= 1e-9 * factor * machine.length
         assert other.slave[1] == pytest.approx(factor * one.slave[1], rel=1e-7, abs=1e-8 * factor * machine.length)
-
-
-@settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
-@given(drive_follower.runs(60))
-def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: BlockRun) -> None:
-    """But for parameters that are set to none."""
-    for block in run_finite(Follower(), run):
-        assert block.state in State
-        assert block.error == (block.error_id != 0)
-        assert (block.state == State.M_IN_ALARM) == (block.error_id >= 2)
-        if block.slave_cycle > 0.0:
-            assert 0.0 <= block.slave.position < block.slave_cycle

@@ -9,8 +9,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
-from motionsync.synchronizer.block import Synchronizer
-from motionsync.synchronizer.faults import Refusal
 from motionsync.synchronizer.interface import Curve
 from tests.model.synchronizer.harness import (
     END,
@@ -18,10 +16,8 @@ from tests.model.synchronizer.harness import (
     ONLY,
     PARABOLA,
     POLYNOMIAL,
-    READY,
     START,
     Harness,
-    write,
 )
 from tests.model.synchronizer.scripted_runs import (
     MOTION,
@@ -38,7 +34,6 @@ from tests.model.synchronizer.scripted_runs import (
     scripts,
 )
 from tests.oracle.synchronizer import events
-from tests.support.numbers import numbers_in
 
 settings.register_profile("synchronizer", derandomize=True, deadline=None, max_examples=250)
 repeatable = settings.get_profile("synchronizer")
@@ -235,46 +230,3 @@ def test_the_way_back_retraces_the_way_up(
         rig.stand(master)
         assert rig.block.slave.position == upwards[master]
         assert rig.block.state == EXECUTING
-
-
-extreme = st.floats(-1e12, 1e12) | st.sampled_from([0.0, 1e12, -1e12, 5e-324, -5e-324, 1e-160, 1.0])
-calls = st.tuples(
-    st.tuples(extreme, extreme, extreme),
-    st.sampled_from([5e-324, 1e-310, 1e-154, 1e-100, 1e-9, 1.0, 1e6, 1e6]) | st.floats(5e-324, 1e6),
-    st.sampled_from([(True, False), (False, True), (True, True), (False, False)]),
-    st.integers(0, 9),
-    extreme,
-    st.sampled_from([1e-9, -1e-9, 1e12, -1e12, 1.0, 90.0, 0.0, math.nan, math.inf]),
-)
-
-
-@settings(repeatable, max_examples=300)
-@given(
-    st.sampled_from([START, END, ONLY]),
-    st.sampled_from([PARABOLA, POLYNOMIAL]),
-    st.sampled_from([0.0, 0.0, 1e-9, 0.1, 360.0, 1e12]),
-    st.lists(calls, min_size=1, max_size=12),
-)
-def test_nothing_is_ever_nan_or_infinite_and_a_refused_step_changes_nothing(
-    mode: MasterInput, curve: Curve, period: float, script: list[tuple[Any, ...]]
-) -> None:
-    block = Synchronizer(curve=curve)
-    write(block, {"master.input_mode": mode, "master.period": period})
-    assert block.initialize() == Refusal.NONE
-    for (position, velocity, acceleration), h, (start, stop), inactive, rest, phasing in script:
-        write(block, {"master.position": position, "master.velocity": velocity, "master.acceleration": acceleration})
-        block.start, block.stop, block.active, block.rest_value = start, stop, inactive > 0, rest
-        block.output_phasing = phasing
-        before = deepcopy(block)
-        if block.step(h) != Refusal.NONE:
-            assert period > 0.0
-            assert repr(block) == repr(before)
-            continue
-        assert all(math.isfinite(x) for x in numbers_in(block, ("output_phasing",)))
-        assert period == 0.0 or 0.0 <= block.slave.position < period
-        assert 0.0 <= block.local.progress <= 1.0
-        assert block.local.distance_to_begin >= 0.0
-        assert block.local.distance_to_end >= 0.0
-        assert (block.state_code, block.ready) == (int(block.state), block.state == READY)
-        assert block.status == block.syn_synchronized + 2 * block.syn_ramp_on
-        assert block.error == (block.error_id != 0)
