@@ -51,6 +51,11 @@ def corners(script: Script) -> set[float]:
     return {stop, *(end for end in ends if end <= stop), *(table["at"] for table in script["set"])}
 
 
+def grid(script: Script, h: float) -> set[float]:
+    """The multiples of h in a script's run."""
+    return {k * h for k in range(math.ceil(script["stop_time"] / h))}
+
+
 def simulate(
     block: Block,
     script: Script,
