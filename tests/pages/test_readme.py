@@ -14,14 +14,7 @@ import numpy as np
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.machine_limits import (
-    Machine,
-    approach_distance,
-    cycle_time,
-    max_line_velocity,
-    return_time,
-    stroke,
-)
+from motionsync.cut_to_length.machine_limits import Machine, approach_distance, cycle_time, return_time, stroke
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync_fmu import Stepper
 from motionsync_fmu.fmus.fmu import Flavour
@@ -31,6 +24,7 @@ from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
 from motionsync_fmu.pages.results import write_results
 from motionsync_fmu.pages.state_diagram import read_diagram
+from motionsync_fmu.plan.saw import max_line_velocity
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import simulate
