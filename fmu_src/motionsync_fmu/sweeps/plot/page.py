@@ -16,12 +16,12 @@ from ...pages.report.page import plotly_script
 from ...pages.style import load_template, typeset
 from ...paths import replace_file
 from ...scenario.files.shipped import scenario_name
+from ..database import Database
 from ..sweep_plan import SCENARIO, SweepPlan
 from ..table import Rows
 from . import texts
 from .cells import Axis
 from .charts import boundary_chart, boundary_line, comparison_lines, curves_chart, front_line, map_chart
-from .database import Database
 from .distribution_view import (
     HEIGHT,
     DistributionView,

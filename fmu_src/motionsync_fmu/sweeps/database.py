@@ -13,9 +13,9 @@ import numpy as np
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ...errors import UserError, choose
-from ...pages.style import with_unit
-from ..conditions import Comparison, RowCondition
+from ..errors import UserError, choose
+from ..pages.style import with_unit
+from .conditions import Comparison, RowCondition
 
 CODES = ("fault",)  # numbers that are names: nobody asks for their mean; 0 is none
 NOTHING: Mapping[str, str] = {}
