@@ -229,7 +229,7 @@ class RotaryKnife(RotaryKnifeInterface):
         self.rest_time.start(self.now)
         is_sample_pending = self.material.is_sample_pending
         settings = self.material.settings
-        self.material.start(self.start_mode, self.master.begin, settings.front_position / settings.factor)
+        self.material.start(self.start_mode, self.master.begin, settings.start.front_position / settings.factor)
         self.accept_piece(is_sample_pending)
         self.cycle.rest_at(Stage.WAITING, self.knife_data, self.cycle.blade, self.park_position())
 
