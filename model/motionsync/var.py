@@ -156,8 +156,8 @@ def _with_members(
     kind: type[Enumeration], members: Iterable[Enumeration], others: Mapping[str, tuple[Any, ...]] | None = None
 ) -> type[Enumeration]:
     """An enumeration with the `others`, given by their values, and these members, described as `kind` is."""
-    values = {member.name: (member.value, member.description, *member.names) for member in members}
-    made = EnumMeta.__call__(Enumeration, kind.__name__, {**(others or {}), **values}, module=kind.__module__)
+    values: Any = dict(others or {}) | {m.name: (m.value, m.description, *m.names) for m in members}
+    made = EnumMeta.__call__(Enumeration, kind.__name__, values, module=kind.__module__)
     made.__doc__ = kind.__doc__
     return cast(type[Enumeration], made)
 
@@ -369,12 +369,12 @@ def local(
     return _declared_field(start, declaration)
 
 
-def refused_parameter(description: str, contradictions: type[Enumeration]) -> int:
+def refused_parameter(start: int, description: str, contradictions: type[Enumeration]) -> int:
     """An Integer local that shows which tunable parameter is refused; 0: none.
 
     It is the number that `first_invalid` gives for the block, with a text from that parameter's declaration, or one of
     `contradictions`, of several values, numbered from 1001 on."""
-    return _declared_field(0, Declaration("local", description, codes=contradictions, of_parameters=True))
+    return _declared_field(start, Declaration("local", description, codes=contradictions, of_parameters=True))
 
 
 def switch(start: bool, description: str) -> bool:

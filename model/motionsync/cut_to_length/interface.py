@@ -157,7 +157,7 @@ class Local(CuttingLocal):
     """What a commissioning engineer would watch."""
 
     refused_parameter: int = var.refused_parameter(
-        "which tunable parameter is out of its range", var.merged(SawContradiction, Contradiction)
+        0, "which tunable parameter is out of its range", var.merged(SawContradiction, Contradiction)
     )
     skip_reason: int = var.local(
         0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS

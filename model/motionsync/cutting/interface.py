@@ -233,7 +233,7 @@ class CuttingLocal:
         0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
     )
     refused_mark: float = var.snapshot(0.0, "master position of the last refused mark", Unit.POSITION)
-    refused_parameter: int = var.refused_parameter("which tunable parameter is out of its range", Contradiction)
+    refused_parameter: int = var.refused_parameter(0, "which tunable parameter is out of its range", Contradiction)
     skip_reason: int = var.local(0, "why a cut was skipped in the last step; 0: none was", report=Report.STEPS)
     skipped_cut: float = var.snapshot(
         0.0, "master position at which the last skipped cut passes slave position 0", Unit.POSITION

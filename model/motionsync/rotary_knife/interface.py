@@ -126,7 +126,7 @@ class Local(CuttingLocal):
 
     no_length: int = var.local(0, "why no length is known for the next piece", codes=NoLength)
     refused_parameter: int = var.refused_parameter(
-        "which tunable parameter is out of its range", var.merged(KnifeContradiction, Contradiction)
+        0, "which tunable parameter is out of its range", var.merged(KnifeContradiction, Contradiction)
     )
     skip_reason: int = var.local(
         0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS
