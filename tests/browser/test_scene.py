@@ -104,15 +104,15 @@ def test_the_next_cut_is_in_the_turn_in_which_it_is_made(scene_of: SceneOf, name
     """It is the place that the block knows, but for turns of the master; the last one is not made in the run."""
     scenario, recording = run(name)
     scene, pieces = scene_of(scenario, recording), find_pieces(scenario, recording)
-    known, told = (recording.values[f"next_cut.{of}"][:-1] for of in ("known", "position"))
-    assert (at_points(scene["marks"]["shown"], recording) == known).all()
+    determined, reported = (recording.values[f"next_cut.{of}"][:-1] for of in ("known", "position"))
+    assert (at_points(scene["marks"]["shown"], recording) == determined).all()
     next_cuts = at_points(scene["marks"]["next"], recording)
-    away = (next_cuts - told)[known != 0.0]
+    away = (next_cuts - reported)[determined != 0.0]
     assert np.abs(away - scenario.period * np.round(away / (scenario.period or 1.0))).max() < 1e-5
     names = scenario.recipe.piece_variables
     assert names
     cutting = recording.values[names.cutting][:-1] != 0.0
-    made = (known != 0.0) & ~cutting & (recording.time[:-1] < pieces[-1].reported_at)
+    made = (determined != 0.0) & ~cutting & (recording.time[:-1] < pieces[-1].reported_at)
     later = np.searchsorted([piece.reported_at for piece in pieces], recording.time[:-1][made], "right")
     assert furthest(next_cuts[made], np.array([piece.end for piece in pieces])[later]) < 1.0
 

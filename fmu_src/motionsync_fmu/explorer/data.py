@@ -16,7 +16,7 @@ from ..batch.simulation import limits
 from ..errors import UserError
 from ..interface.recipe import Recipe
 from ..interface.variables import summary
-from ..pages.machine.known import known_block, known_variable, plain_values, units_of
+from ..pages.machine.block_json import block_json, plain_values, units_of, variable_json
 from ..scenario import clocks
 from ..scenario.encoder import Encoder
 from ..scenario.files import encoder_table
@@ -48,13 +48,13 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
     declared = recipe.variables.values()
     memory, ranges = block_memory(recipe), sorted({limits(v) for v in declared if v.checked})
     names = _names(scenarios)
-    return known_block(recipe, scenarios) | {
+    return block_json(recipe, scenarios) | {
         "name": name,
         "version": __version__,
         "home": HOME,
         "summary": summary(type(recipe.block())),
         "variables": [
-            known_variable(v)
+            variable_json(v)
             | {"offset": memory.fields[v.name].offset}
             | ({"limit": ranges.index(limits(v))} if v.checked else {})
             for v in declared

@@ -97,7 +97,7 @@ class Course {
 
   /** Of a remote axis: how far telegrams and slave are from the truth. */
   get errors() {
-    return (this.known ??= errorsOf(this));
+    return (this.errorsOnce ??= errorsOf(this));
   }
 }
 

@@ -16,8 +16,8 @@ from ...scenario.evaluate.remote_errors import remote_errors
 from ...scenario.evaluate.time_series import time_series
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
+from .block_json import block_json, plain_values, units_of, variable_json
 from .description import named_in
-from .known import known_block, known_variable, plain_values, units_of
 
 MOST_POINTS = 50_000  # of a recording; of more of them only every n-th remains, and those at which something switches
 DIGITS = 12  # of the greatest value of a column
@@ -35,12 +35,12 @@ ERRORS = ("index", "corrected_index", "position", "corrected_position")  # of a 
 
 def recorded_machine(scenario: Scenario, recording: Recording) -> dict[str, Any] | None:
     """What machine_data.js makes the picture of a run from, as JSON has it; None for a block without a picture."""
-    block, cuts = known_block(scenario.recipe, [scenario]), scenario.cuts
+    block, cuts = block_json(scenario.recipe, [scenario]), scenario.cuts
     if not (block["pictures"] or scenario.remote):
         return None
     names = _needed(scenario, block["pictures"])
     return {
-        "block": block | {"variables": [known_variable(scenario.recipe.variables[name]) for name in names]},
+        "block": block | {"variables": [variable_json(scenario.recipe.variables[name]) for name in names]},
         "scenario": {
             "units": units_of(scenario),
             "start": plain_values(scenario.start),
@@ -70,7 +70,7 @@ def _columns(scenario: Scenario, recording: Recording, names: list[str]) -> dict
     master; `values`, the variables by name; of a remote axis also its `errors`, at all points but the first."""
     values = {name: time_series(scenario, recording, name) for name in names}
     switches = [x for name, x in values.items() if scenario.recipe.variables[name].kind != "Real"]
-    points = _remaining(len(recording.time), switches)
+    points = _retained(len(recording.time), switches)
     errors = remote_errors(scenario.remote, recording) if scenario.remote else None
     ticks = np.rint(recording.time[points] * TICKS)
     return {
@@ -84,14 +84,14 @@ def _columns(scenario: Scenario, recording: Recording, names: list[str]) -> dict
     }
 
 
-def _remaining(count: int, switches: list[Reals]) -> NDArray[np.intp]:
+def _retained(count: int, switches: list[Reals]) -> NDArray[np.intp]:
     """The indices of the points that remain: see MOST_POINTS."""
-    kept = np.arange(count) % (1 + count // MOST_POINTS) == 0
-    kept[-1] = True
+    retained = np.arange(count) % (1 + count // MOST_POINTS) == 0
+    retained[-1] = True
     for values in switches:
         changes = np.flatnonzero(np.diff(values))
-        kept[changes] = kept[changes + 1] = True
-    return np.flatnonzero(kept)
+        retained[changes] = retained[changes + 1] = True
+    return np.flatnonzero(retained)
 
 
 def _packed(values: Reals) -> dict[str, Any]:

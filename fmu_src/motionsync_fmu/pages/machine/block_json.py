@@ -15,7 +15,7 @@ from .description import pictures_of
 MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
 
 
-def known_block(recipe: Recipe, scenarios: Iterable[Scenario]) -> dict[str, Any]:
+def block_json(recipe: Recipe, scenarios: Iterable[Scenario]) -> dict[str, Any]:
     """All but the variables: by which roles they are known, and how units are called in these scenarios."""
     declared = recipe.variables.values()
     names = piece_variables(declared)
@@ -27,7 +27,7 @@ def known_block(recipe: Recipe, scenarios: Iterable[Scenario]) -> dict[str, Any]
     }
 
 
-def known_variable(v: Variable) -> dict[str, Any]:
+def variable_json(v: Variable) -> dict[str, Any]:
     """A variable: its declaration, and how it may be set."""
     d = v.declaration
     row: dict[str, Any] = {name: getattr(v, name) for name in ("name", "kind", "causality", "variability")}
