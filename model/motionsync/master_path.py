@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from . import var
+from .numerics.bracket import can_halve, halve, middle
 from .numerics.computable_range import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
-BISECTIONS = 200  # this many halve any step down to neighbouring numbers, unless the root is below 1e-40 of the step
 
 
 @dataclass(slots=True)
@@ -119,14 +119,8 @@ class MasterPath:
             return last
         if self.c3 == 0.0:
             return max(first, min(self.parabola_time(position, 1.0 if rising else -1.0), last))
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (first + last)
-            if middle <= first or middle >= last:
-                break
-            if (self.position(middle) >= position) == rising:
-                last = middle
-            else:
-                first = middle
+        while can_halve(first, last):
+            first, last = halve(first, last, (self.position(middle(first, last)) >= position) == rising)
         return last
 
     def parabola_time(self, position: float, direction: float) -> float:

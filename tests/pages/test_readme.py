@@ -14,14 +14,7 @@ import numpy as np
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.machine_limits import (
-    Machine,
-    approach_distance,
-    cycle_time,
-    max_line_velocity,
-    return_time,
-    stroke,
-)
+from motionsync.cut_to_length.machine_limits import Machine, approach_distance, cycle_time, return_time, stroke
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync_fmu import Stepper
 from motionsync_fmu.fmus.fmu import Flavour
@@ -31,6 +24,7 @@ from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
 from motionsync_fmu.pages.results import write_results
 from motionsync_fmu.pages.state_diagram import read_diagram
+from motionsync_fmu.plan.saw import max_line_velocity
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import simulate
@@ -152,7 +146,7 @@ def test_the_first_lines_from_python_run_as_they_are_printed(tmp_path: Path, mon
     1000 mm/s pieces of 600 and 800 mm are too short for this saw."""
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
-    exec(code_with(README, "result.to_frame()"), names)
+    exec(code_with(PYTHON, "result.to_frame()"), names)
     result, rows = names["result"], names["rows"].to_frame()
     assert [piece.length for piece in result.pieces] == pytest.approx([1200.0] * 7, abs=1e-6)
     assert result.passed

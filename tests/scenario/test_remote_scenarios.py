@@ -12,9 +12,9 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
+from motionsync_fmu.scenario.evaluate.csv_files import inputs_csv
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
-from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.remote_view import Accuracy

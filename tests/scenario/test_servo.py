@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.pages.results import write_outputs
+from motionsync_fmu.scenario.evaluate.csv_files import write_outputs
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals

@@ -4,6 +4,7 @@ This module is part of the Python FMU. It must not import motionsync, which the 
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from decimal import Decimal
 from enum import IntEnum
 from functools import cache
 from math import inf
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 LONGEST_STEP = 1e6  # s; a step may not be longer
 QUIET_TIME = 10.0  # s; a code that has not come for so long has ended (`Report.EPISODES`)
-COMPUTED_DIGITS = 7  # of a computed value in a log line; values that were set have all theirs
+SHOWN_DIGITS, COMPUTED_DIGITS = 12, 7  # of a value that was set, and of a computed one, in a log line
 LEAST_INTEGER, GREATEST_INTEGER = -(2**31), 2**31 - 1  # of FMI's Integers
 KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
@@ -169,16 +170,19 @@ def members(kind: Any) -> list[Any]:
 
 
 def shown(value: Any) -> str:
-    """A value in a log line: a Real with the fewest of 6, 15, 16 or 17 digits that give the same number again."""
-    if not isinstance(value, float):
-        return str(value)
-    texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
-    return next((text for text in texts if float(text) == value), texts[0])
+    """A value that was set, in a log line: a Real with twelve digits at most."""
+    return rounded(value, SHOWN_DIGITS) if isinstance(value, float) else str(value)
 
 
 def computed(value: Any) -> str:
     """A value that a block has computed, in a log line: a Real with seven digits at most."""
-    return f"{value:.{COMPUTED_DIGITS}g}" if isinstance(value, float) else str(value)
+    return rounded(value, COMPUTED_DIGITS) if isinstance(value, float) else str(value)
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number in so many digits, or in six if they are enough."""
+    short, long = f"{value:g}", f"{value:.{digits}g}"
+    return short if short == long or Decimal(short) == Decimal(long) else long
 
 
 def step_size_refusal(h: float) -> str:

@@ -16,7 +16,16 @@ from ..compiler.memory_layout import dtype, offset
 from ..compiler.translator.text import literal
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import COMPUTED_DIGITS, LONGEST_STEP, QUIET_TIME, Variable, cells, refusals, variables
+from ..interface.variables import (
+    COMPUTED_DIGITS,
+    LONGEST_STEP,
+    QUIET_TIME,
+    SHOWN_DIGITS,
+    Variable,
+    cells,
+    refusals,
+    variables,
+)
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -73,6 +82,7 @@ def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = No
         messages=messages,
         coded=[*coded, LAST_CODED],
         episodes=episodes,
+        shown_digits=SHOWN_DIGITS,
         computed_digits=COMPUTED_DIGITS,
         quiet_time=repr(QUIET_TIME),
         flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),

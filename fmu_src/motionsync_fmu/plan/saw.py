@@ -101,6 +101,13 @@ def is_lost(machine: limits.Machine, velocity: float, pitch: float) -> bool:
     return limits.shortest_pitch(shortened, velocity) > pitch
 
 
+def max_line_velocity(machine: limits.Machine, pitch: float) -> float:
+    """The greatest line velocity, in u/s, at which cuts of that pitch, in u, are reached; 0: there is none."""
+    limit = limits.CycleLimit()
+    limit.solve(machine, pitch)
+    return limit.max_line_velocity
+
+
 @dataclass(frozen=True)
 class Saw(Machine):
     """The carriage goes with the material while the blade cuts, and comes home. All predictions are those of the block,
@@ -175,7 +182,7 @@ class Saw(Machine):
 
     @cached_property
     def greatest_velocity(self) -> float:
-        return limits.max_line_velocity(self.figures, ENDLESS_PITCH)
+        return max_line_velocity(self.figures, ENDLESS_PITCH)
 
     @property
     def greatest_velocity_bound(self) -> str:
@@ -199,10 +206,10 @@ class Saw(Machine):
 
     def predict_greatest_velocity(self, length: float) -> Prediction:
         machine, pitch = self.figures, self.pitch(length)
-        velocity = limits.max_line_velocity(machine, pitch)
+        velocity = max_line_velocity(machine, pitch)
         if velocity <= 0.0:
             return Prediction(LENGTH, length, 0.0, None, WAYS, WAYS, figures=self.stroke_at(0.0))
-        gains = {n: relative_gain(limits.max_line_velocity(m, pitch), velocity) for n, m in relax_each(machine)}
+        gains = {n: relative_gain(max_line_velocity(m, pitch), velocity) for n, m in relax_each(machine)}
         bound = self.find_bound(velocity)
         return Prediction(
             LENGTH,
@@ -241,7 +248,7 @@ class Saw(Machine):
         """The gains of the greatest line velocity for any length."""
         top = self.greatest_velocity
         return {
-            name: relative_gain(limits.max_line_velocity(machine, ENDLESS_PITCH), top)
+            name: relative_gain(max_line_velocity(machine, ENDLESS_PITCH), top)
             for name, machine in relax_each(self.figures)
         }
 

@@ -3,11 +3,10 @@
 from ..cutting.instants import NEVER
 from ..cutting.piece import PieceInProgress
 from ..master import Master
+from ..numerics.bracket import can_halve, halve, middle
 from ..var import Enumeration
 from .carriage import Carriage
 from .machine_limits import approach_distance, is_admissible
-
-BISECTIONS = 200  # this many halve any time down to neighbouring numbers
 
 
 class Condition(Enumeration):
@@ -33,17 +32,11 @@ def first_instant(
         return now
     if until <= now or not holds(condition, master, carriage, piece, until):
         return NEVER
-    low = now
-    high = until
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        if holds(condition, master, carriage, piece, middle):
-            high = middle
-        else:
-            low = middle
-    return high
+    before = now
+    after = until
+    while can_halve(before, after):
+        before, after = halve(before, after, holds(condition, master, carriage, piece, middle(before, after)))
+    return after
 
 
 def holds(condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, time: float) -> bool:

@@ -1,4 +1,4 @@
-"""What a machine can do, at a line velocity and for a pitch of the cuts: pure functions, computed before any cut.
+"""What a machine can do, at a line velocity and for a pitch of the cuts, computed before any cut.
 
 A cycle leads from the start of one approach to the earliest start of the next: approach, cut, way home, rest at home.
 Below, v is the line's velocity, k the coupling, V = k v the carriage's velocity in sync, D the way of the approach.
@@ -8,11 +8,11 @@ All functions are finite for limits and inputs from 1e-12 to 1e12.
 from dataclasses import dataclass
 from math import sqrt
 
-from ..numerics.bracket import ROOT_TOLERANCE, next_try
+from .. import var
+from ..numerics.bracket import ITERATIONS, Bracket
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
 CONVERGED = 1e-8  # of the peak of a return: after a step of Newton's method up to here, rounding is all that is left
-ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
 @dataclass(slots=True)
@@ -214,54 +214,42 @@ def excess(machine: Machine, velocity: float, pitch: float) -> float:
     return max(of_stroke, (velocity * time - pitch) / pitch)
 
 
-def root_of_excess(machine: Machine, pitch: float, low: float, below: float, high: float, above: float) -> float:
-    """The root of `excess` in a bracket with these values at its ends; its lower end, at which nothing is exceeded.
+@dataclass(slots=True)
+class CycleLimit:
+    """The greatest admissible line velocity at which cuts of a pitch are reached.
 
-    Regula falsi in the Illinois form: the value of an end that stays twice in succession is halved."""
-    side = 0
-    for _ in range(ITERATIONS):
-        if high - low <= ROOT_TOLERANCE * high:
-            break
-        wide = high > 4.0 * low
-        middle = next_try(low, below, high, above)
-        value = excess(machine, middle, pitch)
-        if value > 0.0:
-            high = middle
-            above = value
-            if side == 1:
-                below *= 0.5
-            side = 1
-        else:
-            low = middle
-            below = value
-            if side == -1:
-                above *= 0.5
-            side = -1
-        if wide:
-            side = 0
-    return low
+    Attributes:
+        max_line_velocity: u/s of the master; 0: there is none.
+    """
 
+    max_line_velocity: float = 0.0
+    bracket: Bracket = var.part(Bracket)
 
-def max_line_velocity(machine: Machine, pitch: float) -> float:
-    """The greatest admissible line velocity, in u/s, at which cuts of that pitch, in u, are reached; 0: there is none.
+    def solve(self, machine: Machine, pitch: float) -> None:
+        """Find it for that pitch, in u.
 
-    Stroke and shortest pitch rise with v, so what is admissible is one interval. It is searched from the velocity of
-    the carriage's limit downwards."""
-    high = machine.max_velocity / machine.coupling
-    if machine.coupling * high > machine.max_velocity:
-        high *= 1.0 - 2.3e-16
-    if pitch < LEAST:
-        return 0.0
-    above = excess(machine, high, pitch)
-    if above <= 0.0:
-        return high
-    low = 0.25 * high
-    below = excess(machine, low, pitch)
-    if below > 0.0:
-        high = low
-        above = below
-        low = LEAST
+        Stroke and shortest pitch rise with v, so what is admissible is one interval. It is searched from the velocity
+        of the carriage's limit downwards."""
+        self.max_line_velocity = 0.0
+        if pitch < LEAST:
+            return
+        high = machine.max_velocity / machine.coupling
+        if machine.coupling * high > machine.max_velocity:
+            high *= 1.0 - 2.3e-16
+        above = excess(machine, high, pitch)
+        if above <= 0.0:
+            self.max_line_velocity = high
+            return
+        low = 0.25 * high
         below = excess(machine, low, pitch)
         if below > 0.0:
-            return 0.0
-    return root_of_excess(machine, pitch, low, below, high, above)
+            high = low
+            above = below
+            low = LEAST
+            below = excess(machine, low, pitch)
+        if below <= 0.0:
+            self.bracket.set(low, below, high, above)
+            while self.bracket.try_narrow():
+                value = excess(machine, self.bracket.place, pitch)
+                self.bracket.replace(value, value > 0.0)
+            self.max_line_velocity = self.bracket.low

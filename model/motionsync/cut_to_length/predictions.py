@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+from .. import var
 from ..cutting.material import Material
 from ..cutting.piece import UNLIMITED
 from ..cutting.settings import PieceSettings
 from .carriage import Carriage
 from .homing_motion import FASTER
 from .interface import CutToLengthInterface
-from .machine_limits import Machine, approach_distance, cycle, max_line_velocity
+from .machine_limits import CycleLimit, Machine, approach_distance, cycle
 
 AT_REST = 1e-12  # of the greatest velocity: what rounding leaves of a line that comes to rest
 
@@ -24,6 +25,7 @@ class Predictions:
         pitch: the smaller one of the piece in progress and of the next one, u of the master.
         pitch_orders: the smallest of these and of all that wait.
         shortest_pitch: what is possible at `velocity`.
+        limit: the search for the greatest line velocity.
     """
 
     is_current: bool = False
@@ -32,6 +34,7 @@ class Predictions:
     pitch: float = 0.0
     pitch_orders: float = 0.0
     shortest_pitch: float = 0.0
+    limit: CycleLimit = var.part(CycleLimit)
 
     def update(self, block: CutToLengthInterface, machine: Machine, material: Material) -> None:
         """Put out the limits at the line velocity of the step's end."""
@@ -76,10 +79,11 @@ class Predictions:
         """The highest admissible line velocities."""
         self.pitch = pitch
         self.pitch_orders = pitch_orders
-        block.limits.max_line_velocity = max_line_velocity(machine, pitch)
-        block.limits.max_line_velocity_orders = block.limits.max_line_velocity
+        self.limit.solve(machine, pitch)
+        block.limits.max_line_velocity = self.limit.max_line_velocity
         if pitch_orders < pitch:
-            block.limits.max_line_velocity_orders = max_line_velocity(machine, pitch_orders)
+            self.limit.solve(machine, pitch_orders)
+        block.limits.max_line_velocity_orders = self.limit.max_line_velocity
 
     def is_far_from_start(
         self, block: CutToLengthInterface, carriage: Carriage, cut: float, now: float, until: float

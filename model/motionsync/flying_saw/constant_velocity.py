@@ -9,9 +9,9 @@ from math import inf
 
 from .. import var
 from ..motion.jerk_limited import acceleration_limit
+from ..numerics.bracket import can_halve, halve, middle
 from .segments import level_ramp_duration
 
-BISECTIONS = 200  # enough to halve any interval down to neighbouring numbers but for those next to 0
 NO_RAMP = 1e-12  # of the greater velocity at the ends: a smaller change of velocity is rounding
 MEAN_ACCELERATION = 2.0 / 3.0  # of a ramp's peak acceleration
 
@@ -66,14 +66,14 @@ class ConstantVelocity:
         """Find c in a range in which the same limits hold; `near` and `far` are its ends' distances from zero."""
         if not near < far < inf:
             return False
-        middle = side * (near + 0.5 * (far - near))
-        self.rise_limit = acceleration_limit(self.velocity, middle, self.acceleration, self.deceleration)
-        self.fall_limit = acceleration_limit(middle, self.end, self.acceleration, self.deceleration)
+        inside = side * middle(near, far)
+        self.rise_limit = acceleration_limit(self.velocity, inside, self.acceleration, self.deceleration)
+        self.fall_limit = acceleration_limit(inside, self.end, self.acceleration, self.deceleration)
         self.cut_count = 0
         self.add_cut(near, near, far)
         self.add_cuts_of_ramp(self.velocity, self.rise_limit, self.fall_limit, side, near, far)
         self.add_cuts_of_ramp(self.end, self.fall_limit, self.rise_limit, side, near, far)
-        self.add_cut(side * (self.velocity + 0.5 * (self.end - self.velocity)), near, far)
+        self.add_cut(side * middle(self.velocity, self.end), near, far)
         self.add_cut(far, near, far)
         is_solved = False
         for i in range(self.cut_count - 1):
@@ -109,14 +109,9 @@ class ConstantVelocity:
         if fits_near != fits_far:
             fitting = near if fits_near else far
             unfitting = far if fits_near else near
-            for _ in range(BISECTIONS):
-                middle = fitting + 0.5 * (unfitting - fitting)
-                if not min(fitting, unfitting) < middle < max(fitting, unfitting):
-                    break
-                if self.fits(side * middle):
-                    fitting = middle
-                else:
-                    unfitting = middle
+            while can_halve(fitting, unfitting):
+                fits = self.fits(side * middle(fitting, unfitting))
+                fitting, unfitting = halve(fitting, unfitting, not fits)
             if fits_near:
                 far = fitting
             else:
@@ -129,14 +124,8 @@ class ConstantVelocity:
         high = max(near, far)
         if not self.distance_at(low) <= self.distance <= self.distance_at(high):
             return False
-        for _ in range(BISECTIONS):
-            middle = low + 0.5 * (high - low)
-            if not low < middle < high:
-                break
-            if self.distance_at(middle) <= self.distance:
-                low = middle
-            else:
-                high = middle
+        while can_halve(low, high):
+            low, high = halve(low, high, self.distance_at(middle(low, high)) > self.distance)
         nearer = abs(self.distance_at(low) - self.distance) <= abs(self.distance_at(high) - self.distance)
         self.cruise = low if nearer else high
         self.snap_to(self.velocity)

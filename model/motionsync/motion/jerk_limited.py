@@ -12,10 +12,10 @@ from math import sqrt
 
 from .. import var
 from ..clock import Clock
+from ..numerics.bracket import can_halve, halve, middle
 from ..numerics.computable_range import SHORTEST_TIME, clamp, to_computable_rate
 
 SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
-BISECTIONS = 200  # enough to halve any segment down to neighbouring numbers but for roots below 1e-40 of it
 
 
 @dataclass(slots=True)
@@ -211,14 +211,9 @@ class Motion:
         """The time since that segment's start at which a stop must start that ends at `distance`; by bisection."""
         first = 0.0
         last = self.start_times[segment + 1] - self.start_times[segment]
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (first + last)
-            if middle <= first or middle >= last:
-                break
-            if direction * (self.stop_position(segment, middle, down, jerk) - distance) <= 0.0:
-                first = middle
-            else:
-                last = middle
+        while can_halve(first, last):
+            stop = self.stop_position(segment, middle(first, last), down, jerk)
+            first, last = halve(first, last, direction * (stop - distance) > 0.0)
         return first
 
     def stop_position(self, segment: int, time: float, down: float, jerk: float) -> float:

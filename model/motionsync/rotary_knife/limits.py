@@ -10,7 +10,6 @@ from math import sqrt
 from .. import var
 from ..cutting.piece import UNLIMITED
 from ..motion.laws import POLYNOMIAL_3_4_5_D1, POLYNOMIAL_3_4_5_D2, POLYNOMIAL_3_4_5_D3
-from ..numerics.bracket import ITERATIONS
 from ..numerics.cube_root import cube_root
 from .curves import FAR_BACK, Peaks, Way, ramp_down_travel, ramp_up_travel
 from .knife import Knife
@@ -143,20 +142,16 @@ def shortest_tangential(knife: Knife, slope: float, distance: float, velocity: f
     """The least Z at a line velocity v with k' v within the axis's limit, for the slave's travel S.
 
     With D = S - k' Z >= 0 the curve's greatest derivatives are k' + 15/8 D/Z, 10/sqrt(3) D/Z2, 60 D/Z3. The limit of
-    the first gives Z at once, those of the others a quadratic and a cubic equation. Newton's method for the cubic
-    starts above its root; since it rises and is convex no step passes the root."""
+    the first gives Z at once, those of the others a quadratic and a cubic equation. With y = S/(k' Z) the cubic is
+    y3 = y2 + q, which Cardano's formula solves without cancellation."""
     v = velocity
     by_velocity = POLYNOMIAL_3_4_5_D1 * distance / (knife.max_velocity / v + (POLYNOMIAL_3_4_5_D1 - 1.0) * slope)
     square = knife.max_acceleration / (POLYNOMIAL_3_4_5_D2 * v * v)
     by_acceleration = 2.0 * distance / (slope + sqrt(slope * slope + 4.0 * square * distance))
-    cube = knife.max_jerk / (POLYNOMIAL_3_4_5_D3 * v * v * v)
-    by_jerk = min(distance / slope, cube_root(distance / cube))
-    for _ in range(ITERATIONS):
-        slack = by_jerk * (cube * by_jerk * by_jerk + slope) - distance
-        step = slack / (3.0 * cube * by_jerk * by_jerk + slope)
-        by_jerk -= step
-        if step <= 1e-16 * by_jerk:
-            break
+    fast = slope * v
+    q = knife.max_jerk / POLYNOMIAL_3_4_5_D3 / fast * (distance / fast) * (distance / fast)
+    root = cube_root(0.5 * q + 1.0 / 27.0 + sqrt(q) * sqrt(0.25 * q + 1.0 / 27.0))
+    by_jerk = distance / slope / (1.0 / 3.0 + root + 1.0 / 9.0 / root)
     return max(by_velocity, by_acceleration, by_jerk)
 
 

@@ -93,11 +93,9 @@ class WaySearch:
             high *= 2.0
             self.plan(knife, high)
         self.bracket.set(low, at_low, high, self.slope_margin())
-        for _ in range(ITERATIONS):
-            if self.bracket.is_narrow():
-                break
-            self.plan(knife, self.bracket.middle())
-            self.bracket.replace(self.travel, self.slope_margin(), self.slope_margin() < 0.0)
+        while self.bracket.try_narrow():
+            self.plan(knife, self.bracket.place)
+            self.bracket.replace(self.slope_margin(), self.slope_margin() < 0.0)
         self.plan(knife, self.bracket.low)
 
     def find_fastest(self, knife: Knife, least: float, most: float, enough: float) -> None:
@@ -162,9 +160,7 @@ class WaySearch:
             self.plan(knife, low)
         if self.velocity < velocity:
             self.bracket.set(low, self.velocity - velocity, high, at_high)
-            for _ in range(ITERATIONS):
-                if self.bracket.is_narrow():
-                    break
-                self.plan(knife, self.bracket.middle())
-                self.bracket.replace(self.travel, self.velocity - velocity, self.velocity >= velocity)
+            while self.bracket.try_narrow():
+                self.plan(knife, self.bracket.place)
+                self.bracket.replace(self.velocity - velocity, self.velocity >= velocity)
             self.plan(knife, self.bracket.high)

@@ -20,13 +20,13 @@ from motionsync.cut_to_length.machine_limits import (
     gap_time,
     is_admissible,
     lead,
-    max_line_velocity,
     return_time,
     shortest_pitch,
     stroke,
     way_out,
 )
 from motionsync.motion.jerk_limited import Motion
+from motionsync_fmu.plan.saw import max_line_velocity
 from tests.model.cut_to_length.harness import machine_data
 from tests.model.cut_to_length.machine_results import EACH_RESULT, MACHINES, Result, pitch_without_jerk, to
 

@@ -19,7 +19,6 @@ from motionsync_fmu.interface.stepper import Stepper
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import random_machine, random_tool, runs
 from tests.support.compiled import Layout
-from tests.support.finite import run_finite
 from tests.support.harness import MOTION
 from tests.support.line_phases import (
     COMMANDS,
@@ -401,16 +400,3 @@ def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: BlockRun) -> N
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
-
-
-@settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
-@given(runs(steps=300))
-def test_all_numbers_are_finite_whatever_the_inputs(run: BlockRun) -> None:
-    for block in run_finite(CutToLength(), run):
-        assert 0.0 <= block.local.progress <= 1.0
-        assert block.state_code == block.state
-        assert block.error == (block.error_id != 0)
-        assert block.running or block.state in (State.OFF, State.FAULT)
-        assert block.line.stop_request == (block.state == State.FAULT)
-        assert block.piece.length >= 0.0
-        assert block.limits.min_length >= 0.0

@@ -8,17 +8,13 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, Phase, example, given, seed, settings
+from hypothesis import Phase, example, given, seed, settings
 from hypothesis import strategies as st
 
-from motionsync.remote_sync.faults import Fault, Refusal
+from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Estimator, Mode
-from motionsync_fmu.interface.variables import LONGEST_STEP
-from tests.model.remote_sync import strategies as drive_remote_sync
 from tests.model.remote_sync.harness import OUTPUTS, RemoteSyncHarness, T
 from tests.oracle.remote_sync import RemoteSyncOracle
-from tests.support.numbers import numbers_in
-from tests.support.runs import BlockRun
 
 settings.register_profile("remote_sync", derandomize=True, deadline=None, max_examples=60)
 repeatable = settings.get_profile("remote_sync")
@@ -405,37 +401,6 @@ def test_a_step_of_several_cycles_gives_the_bits_of_as_many_single_ones(received
             single.step(received.cycle, values)
         several.step(count * received.cycle, values)
         assert several.shown() == single.shown()
-
-
-@repeatable
-@given(drive_remote_sync.runs(300), st.integers(0, 299))
-def test_a_copy_of_the_state_goes_on_with_the_same_bits(run: BlockRun, cut: int) -> None:
-    receiver = RemoteSyncHarness(run.start)
-    for h, values in run.steps[:cut]:
-        receiver.put(values).block.step(h) if 0.0 < h <= LONGEST_STEP else None
-    twin = receiver.twin()
-    rest = run.steps[cut:]
-
-    def on(one: RemoteSyncHarness) -> list[str]:
-        done = (one.put(values).block.step(h) for h, values in rest if 0.0 < h <= LONGEST_STEP)
-        return [repr((refusal, *one.shown().values(), *numbers_in(one.block))) for refusal in done]
-
-    assert on(receiver) == on(twin)
-
-
-@settings(repeatable, suppress_health_check=[HealthCheck.filter_too_much])
-@given(drive_remote_sync.runs(300))
-def test_no_output_and_no_part_of_the_state_is_ever_nan_or_infinite(run: BlockRun) -> None:
-    """Refused inputs and steps left out; tunables may be anything."""
-    receiver = RemoteSyncHarness(run.start)
-    inputs = ("remote.position", "remote.velocity", "remote.acceleration")
-    for h, values in run.steps:
-        receiver.put(values)
-        if not 0.0 < h <= LONGEST_STEP or not all(abs(receiver[name]) <= 1e12 for name in inputs):
-            continue
-        assert receiver.block.step(h) in (Refusal.NONE, Refusal.CYCLES)
-        tunables = ("delay_time_offset", "max_position_difference")
-        assert all(map(math.isfinite, numbers_in(receiver.block, tunables)))
 
 
 # --- indices ----------------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -14,8 +14,7 @@ from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.interface import State
 from motionsync_fmu.interface.recipe import declared_variables
 from tests.model.rotary_knife.harness import RotaryKnifeHarness
-from tests.model.rotary_knife.strategies import random_knife, random_window, runs
-from tests.support.finite import run_finite
+from tests.model.rotary_knife.strategies import random_knife, random_window
 from tests.support.harness import MOTION
 from tests.support.line_phases import (
     COMMANDS,
@@ -30,7 +29,6 @@ from tests.support.line_phases import (
     rngs,
     run_phase,
 )
-from tests.support.runs import BlockRun
 
 settings.register_profile("rotary knife", derandomize=True, deadline=None, max_examples=20, phases=GENERATIONS)
 repeatable = settings.get_profile("rotary knife")
@@ -230,17 +228,3 @@ def test_any_two_step_sizes_and_input_modes_agree(
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
-
-
-@settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
-@given(runs(steps=300))
-def test_all_numbers_are_finite_whatever_the_inputs(run: BlockRun) -> None:
-    for block in run_finite(RotaryKnife(), run):
-        assert block.state_code == block.state
-        assert block.error == (block.error_id != 0)
-        assert block.running or block.state in (State.OFF, State.FAULT)
-        assert block.line.stop_request == (block.state == State.FAULT)
-        assert block.piece.length >= 0.0
-        assert block.limits.min_length >= 0.0
-        assert 0.0 <= block.slave.position < block.knife.turn
-        assert block.in_sync == block.knife.in_window == (block.state == State.SYNCHRONOUS)
