@@ -3,7 +3,7 @@
 import ast
 from typing import NamedTuple
 
-from ..subset.expression_rules import COPY, SAME
+from ..subset.expression_rules import COPY, PART_FUNCTIONS
 from ..subset.package import CheckedFunction, Kind
 from .context import Context
 from .helpers import HELPERS
@@ -222,11 +222,12 @@ class ExpressionWriter:
     def library_call(self, node: ast.Call) -> Code:
         """The call of a function from outside the package."""
         kind, first, name = self.kind(node), node.args[0], library_name(self.function, node.func)
-        if self.function.meaning(node.func) == COPY:
+        meaning = self.function.meaning(node.func)
+        if meaning == COPY:
             result = Code(f"{self.object_text(first)} = {self.object_text(node.args[1])}", ASSIGNMENT)
-        elif self.function.meaning(node.func) == SAME:
-            parts = ", ".join(self.pointer(part, self.kind(part)) for part in node.args)
-            result = Code(f"{self.context.comparison(self.kind(first))}({parts})")
+        elif isinstance(meaning, str) and meaning in PART_FUNCTIONS:
+            parts = ", ".join(self.pointer(part, self.kind(first)) for part in node.args)
+            result = Code(f"{self.context.part_function(meaning, self.kind(first))}({parts})")
         elif name in ("min", "max"):
             result = self.least_or_greatest(name, kind, node.args)
         elif name == "len":
