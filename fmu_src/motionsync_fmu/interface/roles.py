@@ -36,10 +36,10 @@ class RemoteAxisVariables:
     corrected_index: str
 
 
-def _of(role: Role, beside: str = "", default: Any = MISSING) -> Any:
-    """The field for the name of the variable with a role, or for that of another one `beside` it in its part; without a
+def _of(role: Role, sibling: str = "", default: Any = MISSING) -> Any:
+    """The field for the name of the variable with a role, or for that of its `sibling` in the same part; without a
     default the block has to have it."""
-    return field(default=default, metadata={"role": role, "beside": beside})
+    return field(default=default, metadata={"role": role, "sibling": sibling})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,8 +140,8 @@ def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
     if Role.PIECES not in by_role:
         return None
 
-    def name(role: Role, beside: str) -> str:
-        return f"{by_role[role].rpartition('.')[0]}.{beside}" if beside else by_role[role]
+    def name(role: Role, sibling: str) -> str:
+        return f"{by_role[role].rpartition('.')[0]}.{sibling}" if sibling else by_role[role]
 
     named = [f for f in fields(PieceVariables) if f.metadata]
     names = {f.name: name(**f.metadata) for f in named if f.default is MISSING or f.metadata["role"] in by_role}
