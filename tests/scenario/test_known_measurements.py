@@ -1,7 +1,4 @@
-"""The oracles of encoder, servo, load and true pieces: against published numbers, hand-computed ones and an integrator.
-
-What the tool computes is compared with them (test_encoder.py, test_servo.py, test_load.py, test_true_pieces.py).
-"""
+"""Numbers that are known of encoder, servo, load and true pieces: by hand, published, or by an integrator."""
 
 import math
 from itertools import accumulate, pairwise
@@ -49,30 +46,6 @@ def test_a_sample_of_any_seed_starts_at_its_own_state() -> None:
     state = (seed * 2**32 + 6 * n) * splitmix64.GAMMA % 2**64
     halves = [half for i in range(6) for half in divmod(splitmix64.mixed(state + i * splitmix64.GAMMA), 2**32)]
     assert splitmix64.noise_sample(seed, n) == sum(halves) / 2**32 - 6
-
-
-def share_within(limit: float) -> float:
-    """How much of the sum of twelve uniform numbers is within 6 ± limit, by Irwin and Hall."""
-    x = 6 + limit
-    below = sum((-1) ** k * math.comb(12, k) * (x - k) ** 12 for k in range(math.floor(x) + 1)) / math.factorial(12)
-    return 2 * below - 1
-
-
-def test_the_noise_is_white_and_nearly_gaussian() -> None:
-    """Two seeds, 10000 samples each; all to four sigma of the estimate itself. A kurtosis of 3 - 6/(5·12) = 2.9."""
-    count = 10000
-    samples = np.array([[splitmix64.noise_sample(seed, n) for n in range(count)] for seed in (1, 2)])
-    one = 4 / math.sqrt(2 * count)
-    assert samples.mean() == pytest.approx(0, abs=one)
-    assert samples.var() == pytest.approx(1, abs=one * math.sqrt(1.9))
-    assert (samples**4).mean() == pytest.approx(2.9, abs=one * 10)  # the eighth moment is less than 105
-    for limit in (0.5, 1, 2, 3):
-        share = share_within(limit)
-        counted = np.count_nonzero(np.abs(samples) <= limit) / (2 * count)
-        assert counted == pytest.approx(share, abs=one * math.sqrt(share * (1 - share)))
-    assert (samples[0] * samples[1]).mean() == pytest.approx(0, abs=one * math.sqrt(2))
-    for lag in (1, 2, 7):
-        assert (samples[:, lag:] * samples[:, :-lag]).mean() == pytest.approx(0, abs=one)
 
 
 CLIPPED = [(1, 24006, 4.44419), (2, 39361, 4.00890), (3, 20227, -4.03847)]
