@@ -5,7 +5,6 @@ import hashlib
 import random
 import re
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -952,29 +951,6 @@ def test_a_line_that_follows_is_the_same_with_another_scan(chosen: Chosen, tmp_p
     shown_position = visit.number(".carriage", "slave-position")
     assert shown_position == pytest.approx(recording.values["slave.position"][-1], abs=1e-6)
     assert visit.number(".stock", "master-position") == pytest.approx(recording.master[-1, 0], abs=1e-6)
-
-
-# --- the picture ---
-
-
-@pytest.mark.parametrize(
-    ("name", "output"), [("FlyingSaw/cyclic_cut", "in_sync"), ("CutToLength/basic_cut", "tool.blade_down")]
-)
-def test_the_blade_is_drawn_down_while_it_cuts(chosen: Chosen, name: str, output: str) -> None:
-    """It takes 0.06 s to go down, and is then 47 px lower than above the material."""
-    loaded = shown(load_scenario(ROOT / "scenarios" / name / "scenario.toml"))
-    recording = record(loaded)
-    down = recording.values[output] != 0.0
-    changes = recording.time[np.flatnonzero(np.diff(down, prepend=~down[0]))].tolist()
-    visit = chosen(*name.split("/"))
-    times = [
-        max(0.5 * (begin + end), end - 0.01) if end - begin > 0.15 else end - 1e-3
-        for begin, end in pairwise([*changes, loaded.stop_time])
-    ]
-    drawn = visit.seen(times, "document.querySelector('.motionsync-machine .tool').getAttribute('transform')")
-    depths = [float(transform.removeprefix("translate(0 ").removesuffix(")")) for transform in drawn]
-    assert len(depths) > 3
-    assert depths == [47.0 * (i % 2 != down[0]) for i in range(len(depths))]
 
 
 # --- everybody can use it ---

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motionsync_fmu.interface.roles import KNIFE
 from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
@@ -88,9 +87,7 @@ def test_the_cuts_and_pieces_that_are_drawn_are_those_that_are_evaluated(scene_o
             drawn = [[piece[key] for key in OF_PIECE] for piece in scene["pieces"]]
             assert furthest(drawn, [[getattr(piece, key) for key in OF_PIECE] for piece in pieces]) < 1e-5, file
             assert [piece["name"] for piece in scene["pieces"]] == [piece.name for piece in pieces]
-            ends = [
-                (p.sync, p.sync) if names.tool == KNIFE else p.cut or (p.reported_at, p.reported_at) for p in pieces
-            ]
+            ends = [(p.sync, p.sync) if names.turns else p.cut or (p.reported_at, p.reported_at) for p in pieces]
             cuts = [(*times, piece.end, piece.end) for times, piece in zip(ends, pieces, strict=True)]
         else:
             spec = scenario.cuts
@@ -115,13 +112,6 @@ def test_the_next_cut_is_in_the_turn_in_which_it_is_made(scene_of: SceneOf, name
     made = (determined != 0.0) & ~cutting & (recording.time[:-1] < pieces[-1].reported_at)
     later = np.searchsorted([piece.reported_at for piece in pieces], recording.time[:-1][made], "right")
     assert furthest(next_cuts[made], np.array([piece.end for piece in pieces])[later]) < 1.0
-
-
-def test_the_saw_is_down_while_it_cuts(scene_of: SceneOf) -> None:
-    _, recording = run(CYCLIC_CUT)
-    down = at_points(scene_of(*run(CYCLIC_CUT))["down"], recording)
-    assert down.tolist() == recording.values["in_sync"][:-1].tolist()
-    assert len(np.flatnonzero(np.diff(down) > 0)) == 20
 
 
 def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> None:
@@ -152,19 +142,10 @@ def test_the_products_of_a_measured_line_do_not_follow_its_noise(scene_of: Scene
     assert scene_of(measured, recording)["marks"]["places"] == [900.0, 1900.0, 2900.0]
 
 
-def test_the_page_knows_the_cylinder_and_where_its_cuts_are(scene_of: SceneOf) -> None:
-    """Cuts at 800, 1400, 2000, 2400, 3300, 4800, 5100, ... 7800 of a line of 1000 mm/s, when each place is there."""
+def test_the_page_knows_the_cylinder(scene_of: SceneOf) -> None:
     scene = scene_of(*run(FORMATS))
     size = {"turn": 360.0, "circumference": 600.0, "blades": 1, "park": 180.0, "ratio": 1.0, "along_material": False}
     assert scene.items() >= {"scene": "cylinder", **size}.items()
-    window = {"before": 30.0, "after": 30.0, "overspeed": 0.0}
-    assert {name: set(signal["x"]) for name, signal in scene["sync"].items()} == {
-        name: {x} for name, x in window.items()
-    }
-    places = [800, 1400, 2000, 2400, 3300, 4800, *range(5100, 8000, 300)]
-    assert [cut["place"] for cut in scene["cuts"]] == pytest.approx(places, abs=1e-6)
-    assert [cut["end"] for cut in scene["cuts"]] == pytest.approx([place / 1000 for place in places], abs=1e-9)
-    assert [piece["length"] for piece in scene["pieces"]] == pytest.approx([600.0, *np.diff(places)], abs=1e-6)
 
 
 def test_the_cylinder_is_known_without_its_jumps_from_turn_to_turn(scene_of: SceneOf) -> None:
