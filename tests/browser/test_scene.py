@@ -12,6 +12,7 @@ import pytest
 from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.evaluate.time_series import time_series
 from motionsync_fmu.scenario.files.encoder_table import with_encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -112,6 +113,79 @@ def test_the_next_cut_is_in_the_turn_in_which_it_is_made(scene_of: SceneOf, name
     made = (determined != 0.0) & ~cutting & (recording.time[:-1] < pieces[-1].reported_at)
     later = np.searchsorted([piece.reported_at for piece in pieces], recording.time[:-1][made], "right")
     assert furthest(next_cuts[made], np.array([piece.end for piece in pieces])[later]) < 1.0
+
+
+COUPLED = {
+    "Gearing/stop_position_master_based": (["ACTIVE", "WAITING_FOR_STOPPOSITION"], ["GEAR_IN", "GEAR_OUT"]),
+    "Follower/cyclic_park": (["M_SYNCHRONIZED"], ["M_FOLLOWING", "M_HOMING"]),
+    "Synchronizer/phasing_changed_while_executing": (["syn_synchronized"], ["syn_ramp_on"]),
+}
+"""States and outputs in which two axes are in step; and in which they come in step, or leave it."""
+
+WAITING = ["WAITING_FOR_STARTPOSITION", "WAITING_FOR_STOPPOSITION"]
+MARKS: dict[str, dict[str, tuple[list[str], list[str]]]] = {
+    "Gearing/stop_position_master_based": {
+        "trigger": (["local.trigger_position"], [*WAITING, "GEAR_IN", "GEAR_OUT"]),
+    },
+    "Follower/cyclic_park": {
+        "meeting": (["local.meeting_position"], ["local.meeting_known"]),
+        "in sync": (["sync_slave", "sync_out"], []),
+        "park": (["park_slave"], []),
+    },
+    "Synchronizer/phasing_changed_while_executing": {
+        "ramp": (["local.ramp_begin", "local.ramp_end"], ["EXECUTING", "STACKED", "syn_ramp_on"]),
+        "rest": (["rest_value"], []),
+    },
+}
+"""By label, the variables of a mark's place or of its ends, and when it is shown; empty: always."""
+
+
+@pytest.mark.parametrize("name", COUPLED)
+def test_two_axes_are_coupled_and_marked_as_the_block_says(scene_of: SceneOf, name: str) -> None:
+    scenario, recording = run(name)
+    scene = scene_of(scenario, recording)
+    names = {int(member): member.name for member in scenario.recipe.variables["state"].choices}
+    states = np.array([names[int(state)] for state in recording.values["state"][:-1]])
+
+    def holds(conditions: list[str]) -> Any:
+        outputs = recording.values
+        return np.any([outputs[c][:-1] != 0.0 if c in outputs else states == c for c in conditions], axis=0)
+
+    coupled, changing = map(holds, COUPLED[name])
+    assert coupled.any()
+    assert changing.any()
+    assert (at_points(scene["coupling"], recording) == np.where(coupled, 2, np.where(changing, 1, 0))).all()
+    drawn = {mark["label"]: mark for axis in scene["axes"] for mark in axis["marks"]}
+    assert drawn.keys() == MARKS[name].keys()
+    for label, (variables, shown) in MARKS[name].items():
+        for key, variable in zip(["at"] if len(variables) == 1 else ["from", "to"], variables, strict=True):
+            later = scenario.recipe.variables[variable].settable  # what is set at a point is recorded at the next one
+            expected = time_series(scenario, recording, variable)[1 if later else 0 :][: len(states)]
+            assert furthest(at_points(drawn[label][key], recording), expected) < 1e-9
+        assert ("shown" in drawn[label]) == bool(shown)
+        assert not shown or (at_points(drawn[label]["shown"], recording) == holds(shown)).all()
+    moved = recording.master[:, 0], recording.values["slave.position"]
+    for axis, positions in zip(scene["axes"], moved, strict=True):
+        assert axis["period"] or axis["range"][0] < positions.min() <= positions.max() < axis["range"][1]
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "periods"),
+    [
+        ("Gearing/rotary_axes", {"master.period": 300.0, "slave.period": 200.0}, [300.0, 200.0]),
+        ("Gearing/ccw_direct", {}, [0.0, 0.0]),
+        ("Synchronizer/polynomial", {"master.period": 180.0}, [180.0, 180.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0}, [900.0, 400.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0, "variable_cycle": True}, [0.0, 400.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0, "master.period": 700.0}, [700.0, 400.0]),
+    ],
+)
+def test_the_periods_of_two_axes_are_those_of_the_start_values(
+    scene_of: SceneOf, name: str, start: dict[str, float], periods: list[float]
+) -> None:
+    scenario, recording = run(name)
+    scene = scene_of(replace(scenario, start={**scenario.start, **start}), recording)
+    assert [axis["period"] for axis in scene["axes"]] == periods
 
 
 def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> None:
