@@ -14,6 +14,7 @@ from motionsync_fmu.explorer import page as explore_page
 from motionsync_fmu.explorer.data import explored as shown
 from motionsync_fmu.explorer.page import write_page
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
@@ -951,6 +952,23 @@ def test_a_line_that_follows_is_the_same_with_another_scan(chosen: Chosen, tmp_p
     shown_position = visit.number(".carriage", "slave-position")
     assert shown_position == pytest.approx(recording.values["slave.position"][-1], abs=1e-6)
     assert visit.number(".stock", "master-position") == pytest.approx(recording.master[-1, 0], abs=1e-6)
+
+
+def test_the_errors_of_a_remote_axis_are_those_of_the_report(chosen: Chosen, fmus: Fmus) -> None:
+    """The page makes them of its own telegrams, of which the clocks, the delay and lost ones are in these scenarios."""
+    page, visit = explored(fmus, "RemoteSync"), chosen("RemoteSync")
+    names = ["index", "corrected_index", "position", "corrected_position"]
+    errors = """([name, all]) => {
+      const {errors} = motionsyncExplore.run(name);
+      return all.map((of) => [...errors[of]]);
+    }"""
+    for name in page.varied_scenarios():
+        file = ROOT / "scenarios" / "RemoteSync" / name / "scenario.toml"
+        scenario = shown(load_scenario(file) if file.is_file() else load_example("RemoteSync"))
+        assert scenario.remote
+        expected = remote_errors(scenario.remote, record(scenario))
+        for of, found in zip(names, visit.page.evaluate(errors, [name, names]), strict=True):
+            assert np.abs(getattr(expected, of) - found).max() < 1e-6, (name, of)
 
 
 # --- everybody can use it ---

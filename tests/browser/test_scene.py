@@ -12,6 +12,7 @@ import pytest
 from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
 from motionsync_fmu.scenario.evaluate.time_series import time_series
 from motionsync_fmu.scenario.files.encoder_table import with_encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
@@ -195,6 +196,54 @@ def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> 
     assert scene["window"][0] < -250.0
     assert scene["window"][1] > 800.0
     assert scene_of(*run("FlyingSaw/position_example_1"))["ends"] == [None, None]
+
+
+@pytest.mark.parametrize(
+    "name", [CYCLIC_CUT, "FlyingSaw/negative_ratio", "FlyingSaw/position_example_1", MEETINGS, KINDS]
+)
+def test_a_carriage_has_its_home_and_its_zone(scene_of: SceneOf, name: str) -> None:
+    """Its arrows are as long as the fastest of both velocities."""
+    scenario, recording = run(name)
+    scene, position = scene_of(scenario, recording), recording.values["slave.position"]
+    start = {n: v.start for n, v in scenario.recipe.variables.items() if v.settable} | dict(scenario.start)
+    if name.startswith("FlyingSaw"):
+        moved = recording.values["move_absolute.busy"].any()
+        assert moved == (name == CYCLIC_CUT)
+        home = (start["move_absolute.position"], "home") if moved else (position[0], "start")
+    else:
+        home = (start["park_slave"], "park") if name == MEETINGS else (start["home_position"], "home")
+    assert (scene["home"]["at"], scene["home"]["label"]) == (pytest.approx(home[0], abs=1e-9), home[1])
+    inside = position[recording.values["in_sync"] != 0.0] if name != MEETINGS else np.array([100.0, 300.0])
+    assert scene["zone"] == pytest.approx([inside.min(), inside.max()], abs=1e-9)
+    velocities = recording.values["slave.velocity"], scene["ratio"] * recording.master[:, 1]
+    assert scene["fastest"] == pytest.approx(max(np.abs(v).max() for v in velocities))
+
+
+@pytest.mark.parametrize("ratio", [1.0, -1.0])
+def test_a_window_has_room_for_the_pieces_where_the_material_goes(scene_of: SceneOf, ratio: float) -> None:
+    """Beyond the end positions 14 % of the length of 1050; where the material goes 70 % more, since pieces are long."""
+    scenario, recording = run(CYCLIC_CUT)
+    assert scenario.cuts
+    scene = scene_of(replace(scenario, cuts=replace(scenario.cuts, ratio=ratio)), recording)
+    assert scene["ratio"] == ratio
+    below, above = -250.0 - scene["window"][0], scene["window"][1] - 800.0
+    assert (below, above)[:: int(ratio)] == (pytest.approx(0.14 * 1050.0), pytest.approx(0.84 * 1050.0))
+
+
+def test_a_window_shows_the_usual_errors_of_a_remote_axis(scene_of: SceneOf) -> None:
+    """Of 98 % of the errors of its telegrams, the greatest is at 1/1.6 of the way to the border."""
+    scenario, recording = run("RemoteSync/slow_sender_jitter")
+    assert scenario.remote
+    scene, errors = scene_of(scenario, recording), remote_errors(scenario.remote, recording)
+    for drawn, name in (
+        ("telegram", "position"),
+        ("corrected", "corrected_position"),
+        ("telegram_index", "index"),
+        ("corrected_index", "corrected_index"),
+    ):
+        assert furthest(scene[drawn]["t"], errors.time) <= 1e-9
+        assert furthest(scene[drawn]["x"], getattr(errors, name)) < 1e-9
+    assert scene["half"] == pytest.approx(1.6 * np.quantile(np.abs(errors.position), 0.98))
 
 
 def test_the_products_of_a_follower_are_where_it_meets_them(scene_of: SceneOf) -> None:
