@@ -45,10 +45,10 @@ def decide_cut(
     return CutDecision.STOP_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP
 
 
-def cut_of_start(cut: float, carriage: Carriage, master: Master, now: float, distance: float) -> float:
+def cut_of_start(cut: float, carriage: Carriage, master: Master, distance: float) -> float:
     """The position of the cut to which an approach over a distance starts now; `cut` is any one near it."""
     start = (carriage.homing.end - distance) / carriage.machine.coupling
-    return cut + (master.distance_beyond(cut, now) - start)
+    return cut + (master.distance_beyond(cut, master.path.now) - start)
 
 
 def show_skipped_cut(
@@ -56,16 +56,15 @@ def show_skipped_cut(
     reason: SkipReason,
     piece: PieceInProgress,
     carriage: Carriage,
-    now: float,
     distance: float,
 ) -> None:
     """Show that the next cut is skipped, and why; `distance`: the way that its approach would need, u."""
     local = block.local
     local.skip_reason = reason
     local.skipped_cut = wrap(piece.end, block.master.period)
-    beyond_cut = block.master.distance_beyond(piece.end, now)
+    beyond_cut = block.master.distance_beyond(piece.end, block.master.path.now)
     local.missing_distance = distance - (carriage.homing.end - carriage.machine.coupling * beyond_cut)
-    local.line_velocity = block.master.velocity_at(now)
+    local.line_velocity = block.master.present_velocity()
 
 
 def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
@@ -74,7 +73,7 @@ def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
 
 
 def skip_late_cuts(
-    material: Material, statistics: Statistics, carriage: Carriage, master: Master, now: float, distance: float
+    material: Material, statistics: Statistics, carriage: Carriage, master: Master, distance: float
 ) -> None:
     """Leave out the next cut, and all others that are beyond where an approach over a distance starts."""
     k = carriage.machine.coupling
@@ -84,11 +83,11 @@ def skip_late_cuts(
             material.marks.drop()
             statistics.skipped = increased(statistics.skipped, 1.0)
             if material.marks.waiting > 0:
-                beyond_cut = master.distance_beyond(material.marks.position(0), now)
+                beyond_cut = master.distance_beyond(material.marks.position(0), master.path.now)
                 if k * beyond_cut <= carriage.homing.end - distance * IN_TIME:
                     break
         material.merge_to_next_mark()
     else:
-        beyond_cut = master.distance_beyond(material.piece.end, now)
+        beyond_cut = master.distance_beyond(material.piece.end, master.path.now)
         number = max(1.0, -floor(WHOLE - (k * beyond_cut - start) / (k * material.piece.pitch)))
         material.skip_pitches(number, statistics)
