@@ -85,7 +85,7 @@ class FlyingSaw(FlyingSawInterface):
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.cosine = cosine(self.diagonal_angle)
-        self.motion.run_at(self.axis.initial_position, self.axis.initial_velocity)
+        self.motion.start(self.axis.initial_position, self.axis.initial_velocity, 0.0)
         take_execute_levels(self)
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.planned_exceeded.clear()
@@ -304,7 +304,7 @@ class FlyingSaw(FlyingSawInterface):
     def run_on(self) -> None:
         """Uncouple: the slave runs on from the state in `slave`, without acceleration."""
         self.motion_request.start.set(self.slave.position, self.slave.velocity, 0.0)
-        self.motion.run_at(self.slave.position, self.slave.velocity)
+        self.motion.start(self.slave.position, self.slave.velocity, 0.0)
         self.enter_continuous_motion()
 
     def update_time_based(self, time: float) -> None:
@@ -320,9 +320,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def plan_time_based(self, time: float) -> None:
         """Plan the motion to the time-based target from the state in `slave`, which belongs to that time."""
-        self.time_based.plan(
-            self.active_request, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration
-        )
+        self.time_based.plan(self.active_request, self.motion, self.slave)
         self.motion.clock.start(time)
 
     # --- entering a stage ---

@@ -153,14 +153,15 @@ class Follower(FollowerInterface):
         """Start the move to a position, or refuse it. A slave that is already there needs no limits."""
         begin = self.slave_position
         if abs(target - begin) <= SAME_POSITION * (1.0 + abs(target) + abs(begin)):
-            self.motion.run_at(target, 0.0)
+            self.motion.start(target, 0.0, 0.0)
         elif self.positioning.limits_usable() and abs(target) <= 2.0 * LARGEST and abs(begin) <= 2.0 * LARGEST:
             limits = self.positioning
             limit = limits.acceleration
             is_measured = self.master.is_measured()
             velocity = self.slave.velocity if is_measured else 0.0
             acceleration = self.slave.acceleration if is_measured else 0.0
-            self.motion.move(begin, velocity, acceleration, target, limits.velocity, limit, limit, limits.jerk)
+            self.motion.start(begin, velocity, acceleration)
+            self.motion.move(target, limits.velocity, limit, limit, limits.jerk)
         else:
             self.refuse_positioning()
             return False
@@ -361,7 +362,7 @@ class Follower(FollowerInterface):
         self.sequence.current.enter_braking()
         deceleration = self.max_acceleration if is_usable(self.max_acceleration) else self.positioning.acceleration
         if self.slave.velocity == 0.0 or not is_usable(deceleration):
-            self.motion.run_at(self.slave_position, 0.0)
+            self.motion.start(self.slave_position, 0.0, 0.0)
         else:
             self.motion.brake(self.slave_position, self.slave.velocity, deceleration)
 

@@ -44,7 +44,8 @@ class Parking:
         self.blade = blade
         self.end = max(knife.park_angle + places * knife.spacing, stop)
         self.passed = floor((position + margin) / knife.spacing)
-        self.motion.move(position, velocity, start, self.end, knife.max_velocity, up, up, jerk)
+        self.motion.start(position, velocity, start)
+        self.motion.move(self.end, knife.max_velocity, up, up, jerk)
         self.motion.clock.start(now)
 
     def at_end_of_step(self) -> tuple[float, float, float, float]:
