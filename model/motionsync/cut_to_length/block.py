@@ -630,7 +630,7 @@ class CutToLength(CutToLengthInterface):
             case Stage.RESTING | Stage.WAITING:
                 self.slave.set(self.carriage.homing.end, 0.0, 0.0, 0.0)
             case Stage.HOMING | Stage.RETURNING:
-                position, velocity, acceleration, jerk = self.carriage.homing.at(0.0)
+                position, velocity, acceleration, jerk = self.carriage.homing.motion.at(0.0)
                 self.slave.set(position, velocity, acceleration, jerk)
             case _:
                 position, velocity, acceleration, jerk = self.carriage.setpoint_at_end(self.master)

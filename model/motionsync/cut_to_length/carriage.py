@@ -107,7 +107,7 @@ class Carriage:
         machine = self.machine
         now = master.path.now
         if is_homing:
-            position, velocity, acceleration, _ = self.homing.at(now)
+            position, velocity, acceleration, _ = self.homing.motion.at(now)
         else:
             position, velocity, acceleration, _ = self.setpoint_at(master, now)
         self.homing_start.set(position, velocity, acceleration)

@@ -62,9 +62,8 @@ class HomingMotion:
 
     def continue_home(self, machine: Machine, now: float) -> None:
         """Move home from where the carriage has halted."""
-        position, _, _, _ = self.motion.at(self.motion.end_time())
         self.is_halting = False
-        self.motion.start(position, 0.0, 0.0)
+        self.motion.start(self.motion.positions[self.motion.segments - 1], 0.0, 0.0)
         self.move_home(machine, now)
 
     def move_home(self, machine: Machine, now: float) -> None:
@@ -81,10 +80,6 @@ class HomingMotion:
         """Whether the motion still is in time for the next cut: this has not changed, nor is the line faster."""
         is_faster = is_accelerating(master) or master.begin_velocity > self.eased_velocity * (1.0 + FASTER)
         return not is_faster and cut == self.eased_cut
-
-    def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time since the step's beginning."""
-        return self.motion.at(self.motion.clock.time + time)
 
 
 def is_accelerating(master: Master) -> bool:

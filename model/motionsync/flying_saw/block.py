@@ -313,7 +313,7 @@ class FlyingSaw(FlyingSawInterface):
         self.candidate.set_target(self.active_request, self.master.velocity_at(time), self.master.mean_acceleration())
         if not self.candidate.continues(self.active_request, self.time_based, self.motion.clock.time + time):
             self.set_slave_at(time, self.coupling_position, 0.0, 0.0)
-            if self.motion.is_over(self.motion.clock.time + time):
+            if self.motion.is_over(time):
                 self.planned_exceeded.clear()
             var.copy(self.time_based, self.candidate)
             self.plan_time_based(time)
@@ -432,7 +432,7 @@ class FlyingSaw(FlyingSawInterface):
     def try_event_own_motion(self) -> bool:
         """The motion is at its velocity, or has ended, and the owner's command with it."""
         path = self.master.path
-        if path.is_correction() or not self.motion.is_over(self.motion.clock.time + path.until):
+        if path.is_correction() or not self.motion.is_over(path.until):
             return False
         if self.stage == Stage.CONTINUOUS_MOTION:
             if self.owner != Owner.MOVE_VELOCITY or self.move_velocity.phase != Phase.BUSY:
@@ -477,8 +477,8 @@ class FlyingSaw(FlyingSawInterface):
 
     def try_meet_target(self, last: float) -> bool:
         """Up to the time `last` the velocities meet, or the target reaches its limit or leaves it."""
-        meeting = min(self.motion.end_time() - self.motion.clock.time, last)
-        over = self.motion.is_over(self.motion.clock.time + last)
+        meeting = min(self.motion.time_left(), last)
+        over = self.motion.is_over(last)
         meets = over and self.time_based.reachable and not self.time_based.at_limit
         limit = self.time_based.time_to_limit(
             self.active_request, self.master.velocity_at(self.compared_at), self.master.mean_acceleration()
@@ -556,7 +556,7 @@ class FlyingSaw(FlyingSawInterface):
                 position, v, a, j = self.profile.at_or_at_rest(self.halt_time + time)
                 self.slave.set(position, v, a, j)
             case _:
-                position, v, a, j = self.motion.at(self.motion.clock.time + time)
+                position, v, a, j = self.motion.at(time)
                 self.slave.set(position, v, a, j)
 
     def set_slave_at_begin(self) -> None:
@@ -569,7 +569,7 @@ class FlyingSaw(FlyingSawInterface):
         """Whether the motion under way has reached the end of its plan, after the step's time."""
         match self.stage:
             case Stage.CONTINUOUS_MOTION | Stage.DISCRETE_MOTION | Stage.TIME_BASED:
-                return self.motion.is_over(self.motion.clock.time)
+                return self.motion.is_over(0.0)
             case Stage.PARKED | Stage.UNCOUPLED_HALT:
                 return self.profile.segments > 0 and self.halt_time >= self.profile.duration()
             case _:

@@ -296,12 +296,12 @@ class Follower(FollowerInterface):
 
     def positioning_ends(self) -> bool:
         """Whether a positioning ends in the section."""
-        return self.motion.is_over(self.motion.clock.time + self.master.path.until)
+        return self.motion.is_over(self.master.path.until)
 
     def arrival_time(self) -> float:
         """The time since the step's beginning at which a positioning ends, within the section."""
         path = self.master.path
-        return clamp(self.motion.end_time() - self.motion.clock.time, path.now, path.until)
+        return clamp(self.motion.time_left(), path.now, path.until)
 
     def go_to_arrival(self) -> None:
         """The master has reached the position where a positioning ends."""
@@ -375,7 +375,7 @@ class Follower(FollowerInterface):
             case Stage.IDLE | Stage.WAITING | Stage.WAITING_NEXT_CYCLE:
                 self.set_slave(current.park, 0.0, 0.0, 0.0)
             case Stage.TO_PARK | Stage.TO_CYCLE | Stage.BRAKING:
-                position, v, a, j = self.motion.at(self.motion.clock.time + time)
+                position, v, a, j = self.motion.at(time)
                 self.set_slave(position, v, a, j)
             case _:
                 self.set_slave_on_cam(master, velocity, acceleration)

@@ -23,8 +23,8 @@ class Motion:
     """A motion in time of piecewise constant jerk; its last segment goes on for ever.
 
     Segment i, 0 <= i < segments, starts at start_times[i] (s, since the motion started) in the state positions[i],
-    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time
-    since the motion began.
+    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time since the
+    motion began; the times that `at` and `is_over` take count from the beginning of the present step.
 
     All limits are greater than 0. Nothing overflows for numbers within 1e12 and limits from 1e-12 on.
     """
@@ -93,16 +93,21 @@ class Motion:
         """The time at which the last segment starts."""
         return self.start_times[self.segments - 1]
 
+    def time_left(self) -> float:
+        """The time from the beginning of the present step to the start of the last segment; negative: it is past."""
+        return self.end_time() - self.clock.time
+
     def is_over(self, time: float) -> bool:
-        """Whether the last segment has started, but for rounding of the time."""
-        return time >= self.end_time() * SAME_TIME
+        """Whether the last segment has started by then, but for rounding of the time."""
+        return self.clock.time + time >= self.end_time() * SAME_TIME
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time >= 0; where two segments meet, those of the later one."""
+        """Position, velocity, acceleration and jerk; where two segments meet, those of the later one."""
+        since_start = self.clock.time + time
         i = 0
-        while i + 1 < self.segments and self.start_times[i + 1] * SAME_TIME <= time:
+        while i + 1 < self.segments and self.start_times[i + 1] * SAME_TIME <= since_start:
             i += 1
-        return self.state(i, time - self.start_times[i])
+        return self.state(i, since_start - self.start_times[i])
 
     def advance(self, h: float) -> None:
         """Advance the clock by h, s."""

@@ -243,7 +243,7 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         operation.is_cut_pending = False
         if is_turning:
-            self.leave_curve()
+            self.departure.leave_curve(self.cycle, self.master)
             if self.hold or not self.cycle.can_append(2) or not self.try_earlier_cut():
                 self.is_cut_refused = True
 
@@ -346,7 +346,7 @@ class RotaryKnife(RotaryKnifeInterface):
         is_on_curve = stage in (Stage.ENGAGING, Stage.TURNING, Stage.DISENGAGING)
         if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(2):
             return False
-        self.leave_curve()
+        self.departure.leave_curve(self.cycle, self.master)
         return True
 
     def change_piece(self) -> None:
@@ -706,11 +706,6 @@ class RotaryKnife(RotaryKnifeInterface):
         self.local.skipped_cut = wrap(self.material.piece.end, self.master.period)
         self.local.line_velocity = self.master.present_velocity()
 
-    def leave_curve(self) -> None:
-        """The knife may leave the curve on which it is."""
-        position, d1, d2, d3 = self.cycle.at(self.master.path.reached)
-        self.departure.leave_curve(self.master.path.reached, position, d1, d2, d3, self.master.present_velocity())
-
     def try_earlier_cut(self) -> bool:
         """A cut_now where the knife turns: the cut is made as early as it can be, if that is before it is due."""
         piece = self.material.piece
@@ -761,12 +756,8 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def enter_parking(self) -> None:
         """From the cycle to park."""
-        position, d1, d2, d3 = self.cycle.at(self.master.path.reached)
-        velocity, acceleration, _ = chain_rule(
-            d1, d2, d3, self.master.present_velocity(), self.master.mean_acceleration()
-        )
         self.rest_time.leave(self.master.path.now)
-        self.parking.plan(self.knife_data, self.master.path.now, self.cycle.blade, position, velocity, acceleration)
+        self.parking.plan(self.knife_data, self.cycle, self.master)
         self.cycle.stage = Stage.PARKING
         if self.operation.fault != PieceFault.NONE:
             self.drop_piece()
@@ -810,7 +801,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 last_blade = self.blade_after(self.cycle.blade - 1.0)
                 self.slave.set(self.shown_position(last_blade, self.knife_data.park_angle), 0.0, 0.0, 0.0)
             case Stage.PARKING:
-                position, velocity, acceleration, jerk = self.parking.at_end_of_step()
+                position, velocity, acceleration, jerk = self.parking.motion.at(0.0)
                 self.count_passed_places(position)
                 self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
             case _:

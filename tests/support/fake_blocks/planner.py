@@ -44,7 +44,7 @@ class Planner:
                 pass
         for _ in range(self.steps):
             self.motion.advance(h)
-        p, v, a, j = self.motion.at(self.motion.clock.time)
+        p, v, a, j = self.motion.at(0.0)
         self.position = p
         self.velocity = v
         self.acceleration = a
