@@ -69,15 +69,12 @@ pictures: $(READY) ## the pictures of the README and of docs/
 docs: $(VENV)/ready-docs ## build/site: the documentation, which opens from the folder
 	@$(BIN)/python -m tools.site
 
-benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
+benchmark: $(TESTABLE) ## what a step, a batch, a sweep and a report cost
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/sweeps.py
 	$(BIN)/python benchmarks/report.py
-	$(BIN)/python benchmarks/plans.py
-	$(BIN)/python benchmarks/random_cuts.py
-	$(BIN)/python benchmarks/accuracy.py
 
 release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, site, notes, checksums
 	@$(ALIVE) $(BIN)/python -m tools.release

@@ -1,6 +1,5 @@
 """What the benchmarks share: subjects, which do steps, their measurement in turns, and the table of the results."""
 
-import ctypes
 import statistics
 import subprocess
 import sys
@@ -54,39 +53,6 @@ def through_fmpy(host: FmuInstance, case: Steady, axis: MovingAxis) -> Callable[
             unit.doStep(host.time, H)
             host.time += H
             unit.getReal(outputs)
-
-    return steps
-
-
-def through_ctypes(host: FmuInstance, case: Steady, axis: MovingAxis) -> Callable[[int], None]:
-    """The same calls with ctypes alone: arrays made once, nothing checked."""
-    inputs = (ctypes.c_uint * 3)(*host.references(axis.motion))
-    outputs = (ctypes.c_uint * len(OUTPUTS))(*host.references(OUTPUTS))
-    counter = (ctypes.c_uint * 1)(*host.references([axis.counter] if axis.counter else []))
-    values = (ctypes.c_double * 3)(0.0, VELOCITY, 0.0)
-    count = (ctypes.c_int * 1)()
-    values = (ctypes.c_double * len(OUTPUTS))()
-    reals = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_double))
-    access = ctypes.CFUNCTYPE(ctypes.c_int, *reals)
-    stepping = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
-    library, unit = host.unit.dll, host.unit.component
-    set_real, get_real = access(("fmi2SetReal", library)), access(("fmi2GetReal", library))
-    integers = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_int))
-    set_integer = ctypes.CFUNCTYPE(ctypes.c_int, *integers)(("fmi2SetInteger", library))
-    do_step = stepping(("fmi2DoStep", library))
-
-    def steps(n: int) -> None:
-        t = host.time
-        for _ in range(n):
-            values[0] = VELOCITY * t
-            set_real(unit, inputs, 3, values)
-            if axis.counter:
-                count[0] = counted(case.counts, t)
-                set_integer(unit, counter, 1, count)
-            do_step(unit, t, H, 1)
-            t += H
-            get_real(unit, outputs, len(OUTPUTS), values)
-        host.time = t
 
     return steps
 

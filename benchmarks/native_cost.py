@@ -1,27 +1,21 @@
-"""What a step of the native flavour costs, beside do-nothing FMUs and the python flavour.
+"""What a step of the native flavour costs, beside a do-nothing FMU and the python flavour.
 
-There are two do-nothing FMUs. The *bare* one has FMI's functions only, which store nothing and check nothing. The other
-one has the *same interface*: it is the block's own FMU, which takes, checks and answers the same variables, but its
-block does nothing. The difference to the first is what the interface costs, the difference to the second the block.
-
+The do-nothing FMU is the block's own, which takes, checks and answers the same variables, but its block does nothing.
 All are measured in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python,
-drives the native unit and the do-nothing one; FMPy, and bare ctypes, drive both flavours as well. The worst steps are
+drives the native unit and the do-nothing one; FMPy drives both flavours as well. The worst steps are
 those at whose beginning commands are given: the modules in cases/ say which these are for each block, and which outputs
 show that the commands were planned. A block with a master is also measured in each input mode of the master.
 
-    python benchmarks/native_cost.py [--block FlyingSaw] [--steps 20000] [--cold]
+    python benchmarks/native_cost.py [--block FlyingSaw] [--steps 20000]
 """
 
 import argparse
 import json
 import math
-import os
 import platform
 import statistics
 import subprocess
-import sys
 import tempfile
-import time
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -40,7 +34,6 @@ from cost import (
     measure,
     ratio,
     start_case,
-    through_ctypes,
     through_fmpy,
     timed,
 )
@@ -49,10 +42,9 @@ from rich.table import Table
 
 from motionsync_fmu.fmus.fmu import build, build_python
 from motionsync_fmu.fmus.guid import compute_guid
-from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native.libraries import FLAGS, Compilation, zig_cc
+from motionsync_fmu.native.libraries import Compilation
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
@@ -61,18 +53,12 @@ FOLDER = Path(__file__).parent
 PLATFORM = PLATFORMS["linux64"]
 IN_C = 100  # a round of a C host has so many times the steps, since they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
-NOTHING, IDLE, NATIVE, PYTHON = "do-nothing FMU, bare", "do-nothing FMU, same interface", "native", "python"
+IDLE, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
 IDLE_BLOCK = """
 int64_t block_initialize(Block *self, bool *failed) { return 0; }
 int64_t block_step(Block *self, double h, bool *failed) { return 0; }
 """
-IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
-BUILD = """
-from pathlib import Path
-from motionsync_fmu.fmus.fmu import build, build_python
-from motionsync_fmu.interface.recipe import Recipe
-{}(Recipe({!r}, starts={!r}), Path({!r}))
-"""
+IN_C_HOST, FMPY = "C host: ", "FMPy: "
 
 
 class CHost:
@@ -192,50 +178,6 @@ def extracted(fmu: Path, block: str, folder: Path) -> Path:
         return Path(z.extract(PLATFORM.library(block), folder))
 
 
-def idle(native: Path, block: str, library: Path, target: Path) -> Path:
-    """The native FMU with the do-nothing library as its only one."""
-    with zipfile.ZipFile(native) as z:
-        files = {n: z.read(n) for n in z.namelist() if not n.startswith("binaries/")}
-    write_zip(target, files | {PLATFORM.library(block): library.read_bytes()})
-    return target
-
-
-def build_seconds(
-    function: str, block: str, target: Path, starts: Mapping[str, str], cache: Path | None = None
-) -> float:
-    """How long a Python of its own takes to build an FMU by a function of the tool, imports included."""
-    folders = {f"ZIG_{kind}_CACHE_DIR": str(cache / kind) for kind in ("GLOBAL", "LOCAL")} if cache else {}
-    start = time.perf_counter()
-    command = [sys.executable, "-c", BUILD.format(function, block, dict(starts), str(target))]
-    subprocess.run(command, check=True, env=os.environ | folders)
-    return time.perf_counter() - start
-
-
-def build_table(folder: Path, block: str, *, cold: bool) -> Any:
-    target, now = folder / "again.fmu", time.time()
-    takes = (v.name for v in Recipe(block).variables.values() if v.kind == "Real" and v.start is not None)
-    never_seen = {next(name for name in takes if Recipe(block).variables[name].allows(now)): repr(now)}
-    table = Table("build", "s", box=None)
-    if cold:
-        empty = build_seconds("build", block, target, {}, folder / f"cache of {block}")
-        table.add_row("native, zig's cache empty", f"{empty:.1f}")
-    table.add_row("native, start values never built before", f"{build_seconds('build', block, target, never_seen):.1f}")
-    table.add_row("native, the same again", f"{build_seconds('build', block, target, never_seen):.1f}")
-    table.add_row("python", f"{build_seconds('build_python', block, target, {}):.1f}")
-    return table
-
-
-def size_table(fmus: Mapping[str, Path]) -> Any:
-    table = Table("file", "bytes", "packed", box=None)
-    for name, fmu in fmus.items():
-        table.add_row(f"{name} FMU", "", f"{fmu.stat().st_size:,}")
-        with zipfile.ZipFile(fmu) as z:
-            for entry in z.infolist():
-                if entry.filename.startswith("binaries/"):
-                    table.add_row(f"  {entry.filename}", f"{entry.file_size:,}", f"{entry.compress_size:,}")
-    return table
-
-
 def worst_table(planners: Iterable[WorstSteps]) -> Any:
     figures = ("ns (median)", "99.9 %", "slowest", "slowest undisturbed", "planned")
     table = Table("worst step, by a C host", *figures, box=None)
@@ -270,10 +212,7 @@ def target_table(
     limits = ["" if case.change else "at most 10" for case in cases.steady]
     rows = [
         *((limit, f"{x} / {IDLE}", x, IN_C_HOST + IDLE) for limit, x in zip(limits, natives, strict=True)),
-        *(("", f"{native} / {NOTHING}", native, IN_C_HOST + NOTHING) for native in natives),
         ("at least 50", "python through FMPy / native by a C host", FMPY + PYTHON, natives[0]),
-        ("", "python through bare ctypes / native by a C host", CTYPES + PYTHON, natives[0]),
-        ("", "python / native, both through bare ctypes", CTYPES + PYTHON, CTYPES + NATIVE),
         ("", "python / native, both through FMPy", FMPY + PYTHON, FMPY + NATIVE),
     ]
     for target, reading, over, under in rows:
@@ -290,18 +229,6 @@ def target_table(
     return table
 
 
-def do_nothing(folder: Path) -> Path:
-    """The library of a do-nothing FMU, compiled for speed: it fills arrays by itself, with no function for memory."""
-    ((target, flags),) = PLATFORM.targets.items()
-    zig_cc(
-        target,
-        [*FLAGS.split(), "-O2", "-fno-builtin", *flags.split(), str(FOLDER / "idle.c")],
-        "idle.so",
-        folder,
-    )
-    return folder / "idle.so"
-
-
 def idle_block(recipe: Recipe, folder: Path) -> Path:
     """The library of the block's FMU, compiled as the FMU's own, but its block does nothing."""
     files = c_sources(recipe.block(), compute_guid(recipe))
@@ -314,7 +241,7 @@ def idle_block(recipe: Recipe, folder: Path) -> Path:
     return library
 
 
-def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:
+def report(block: str, n: int, program: Path, folder: Path, console: Console) -> None:
     """Build a block's FMUs, measure them, print the tables."""
     recipe, cases = Recipe(block), cases_of(block)
     first, axis = cases.steady[0], cases.axis
@@ -322,9 +249,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
         NATIVE: build(recipe, folder / "native.fmu", progress=console.print),
         PYTHON: build_python(recipe, folder / "python.fmu"),
     }
-    nothing = do_nothing(folder)
     native = extracted(fmus[NATIVE], block, folder)
-    flavours = {NOTHING: idle(fmus[NATIVE], block, nothing, folder / "idle.fmu"), **fmus}
     with ExitStack() as stack:
 
         def by_c(library: Path) -> CHost:
@@ -334,17 +259,13 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
             return start_case(stack.enter_context(FmuInstance(fmu)), first, axis)
 
         in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
-        doing_nothing = {
-            IN_C_HOST + NOTHING: SteadySteps(by_c(nothing), first),
-            IN_C_HOST + IDLE: SteadySteps(by_c(idle_block(recipe, folder)), first),
-        }
+        doing_nothing = {IN_C_HOST + IDLE: SteadySteps(by_c(idle_block(recipe, folder)), first)}
         in_modes = {IN_C_HOST + case.name: SteadySteps(by_c(native), case) for case in cases.by_mode.values()}
         subjects = {
             **doing_nothing,
             **in_c,
             **in_modes,
-            **{CTYPES + name: timed(through_ctypes(host(fmu), first, axis)) for name, fmu in flavours.items()},
-            **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in flavours.items()},
+            **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in fmus.items()},
         }
         planners = [WorstSteps(by_c(native), case) for case in cases.worst]
         steady = measure(subjects, n)
@@ -357,12 +278,10 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
     quietest |= {name: steps.undisturbed for name, steps in (in_c | in_modes | doing_nothing).items()}
     names_by_mode = {mode: IN_C_HOST + case.name for mode, case in cases.by_mode.items()}
     for table in (
-        cost_table(steady, IN_C_HOST + NOTHING, f"of the {NOTHING}"),
+        cost_table(steady, IN_C_HOST + IDLE, f"of the {IDLE}"),
         *([mode_table(steady, quietest, names_by_mode)] if names_by_mode else []),
         worst_table(planners),
         target_table(cases, steady, quietest, planners),
-        size_table(fmus),
-        build_table(folder, block, cold=cold),
     ):
         console.print(table)
         console.print()
@@ -372,7 +291,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--block", choices=MEASURED, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help=f"steps a round; {IN_C} times that in C")
-    parser.add_argument("--cold", action="store_true", help="also build with an empty zig cache")
     options = parser.parse_args()
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         parser.error("this benchmark is for Linux on x86-64")
@@ -383,7 +301,7 @@ def main() -> None:
             console.rule(block)
             folder = Path(root) / block
             folder.mkdir()
-            report(block, options.steps, program, folder, console, cold=options.cold)
+            report(block, options.steps, program, folder, console)
 
 
 if __name__ == "__main__":

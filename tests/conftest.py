@@ -99,8 +99,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def is_slow(item: pytest.Item) -> bool:
-    """Whether a test is marked slow, or tests an oracle, on which a change of a block has no effect."""
-    return item.get_closest_marker("slow") is not None or item.path.name.startswith("test_oracle")
+    return item.get_closest_marker("slow") is not None
 
 
 def needs_fmu(item: pytest.Item) -> bool:

@@ -1,21 +1,28 @@
-"""Writes the reference of every scenario and example, from the oracle.
+"""Writes the reference of every scenario and example, from the oracle, and says which have changed, and by how much.
 
 python -m tests.regenerate [FOLDER ...]
 """
 
+import csv
 import sys
+import time
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
+from motionsync_fmu.fmus.zip import zip_bytes
 from motionsync_fmu.interface.block_folder import block_file
-from motionsync_fmu.scenario.evaluate.reference_comparison import reference_file
-from motionsync_fmu.scenario.evaluate.reference_files import csv_text
+from motionsync_fmu.interface.build_time import FIRST_INSTANT
+from motionsync_fmu.scenario.evaluate.csv_files import csv_text
+from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, reference_file
 from motionsync_fmu.scenario.files import example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
@@ -210,9 +217,51 @@ def smoothed(scenario: Scenario, times: Sequence[float], keep: Keep = find_anew)
     return rows
 
 
-if __name__ == "__main__":
-    blocks = [name for name in BLOCKS if not sys.argv[1:] or block_folder(name) in sys.argv[1:]]
-    for scenario_file in [*(file for name in blocks for file in find_files(SCENARIOS / name)), *examples(blocks)]:
+def write_references(name: str) -> Iterator[str]:
+    """Write the references of a block's scenarios and example; a line for each that has changed.
+
+    An archive is written only where a text has changed: another version of the compressor gives other bytes.
+    """
+    folder, made = SCENARIOS / name, dict[Path, bytes]()
+    before = {folder / member: text for member, text in archived(folder / ARCHIVE).items()}
+    for scenario_file in find_files(folder):
         scenario, text = with_reference(scenario_file)
-        reference_file(scenario).write_text(text)
-        print(scenario_file.parent)
+        made[file := reference_file(scenario)] = text.encode()
+        yield from described(scenario.label, before.get(file), made[file])
+    yield from (f"{name}/{file.parent.name}: the reference is no more" for file in before.keys() - made.keys())
+    if made != before:
+        members = {file.relative_to(folder).as_posix(): text for file, text in made.items()}
+        (folder / ARCHIVE).write_bytes(zip_bytes(members, time.gmtime(FIRST_INSTANT)))
+    for scenario_file in examples([name]):
+        scenario, text = with_reference(scenario_file)
+        file = reference_file(scenario)
+        yield from described(scenario.label, file.read_bytes() if file.exists() else None, text.encode())
+        file.write_text(text)
+
+
+def archived(archive: Path) -> dict[str, bytes]:
+    """The members of an archive, by their names; none without one."""
+    if not archive.exists():
+        return {}
+    with zipfile.ZipFile(archive) as z:
+        return {name: z.read(name) for name in z.namelist()}
+
+
+def described(label: str, before: bytes | None, now: bytes) -> Iterator[str]:
+    """A line about the greatest difference of two references; none if they are the same."""
+    if before is None:
+        yield f"{label}: the reference is new"
+    elif before != now:
+        (old, *rows_before), (header, *rows) = (list(csv.reader(text.decode().splitlines())) for text in (before, now))
+        if header != old or [row[0] for row in rows] != [row[0] for row in rows_before]:
+            yield f"{label}: the reference has other columns or times"
+        else:
+            differences = np.abs(np.array(rows, float) - np.array(rows_before, float))
+            row, column = np.unravel_index(np.argmax(differences), differences.shape)
+            yield f"{label}: {header[column]} differs by {differences[row, column]:.3g} at {rows[row][0]} s"
+
+
+if __name__ == "__main__":
+    for block in BLOCKS:
+        if not sys.argv[1:] or block_folder(block) in sys.argv[1:]:
+            print(f"{block}:", *(list(write_references(block)) or ["no reference has changed"]), sep="\n  ", flush=True)

@@ -8,6 +8,7 @@ from tests import ROOT
 
 FOLDERS = {".ci", "benchmarks", "build", "docs", "examples", "fmu_src", "model", "scenarios", "tests", "tools"}
 FILES = {
+    ".gitattributes",
     ".gitignore",
     ".pre-commit-config.yaml",
     "CHANGELOG.md",

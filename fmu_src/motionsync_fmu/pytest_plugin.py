@@ -1,7 +1,7 @@
 """The plugin of pytest by which scenarios are tests: `pytest --motionsync scenarios/`.
 
 Each file `scenario.toml` below the given folders is a test, and so is each other scenario file that is given by its
-path. It fails if the run is not as expected, or not like the reference beside the scenario. pytest imports this module
+path. It fails if the run is not as expected, or not like the reference of the scenario. pytest imports this module
 in each of its runs, so that everything else is imported when a scenario runs.
 """
 

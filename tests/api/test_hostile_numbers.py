@@ -30,8 +30,8 @@ from motionsync_fmu.plan.reader import read_machines, read_numbers
 from motionsync_fmu.scenario.files.example import FILE as EXAMPLE
 from motionsync_fmu.scenario.files.new_scenario import figures, new_scenario
 from motionsync_fmu.scenario.files.reader import read_scenario_text
+from motionsync_fmu.scenario.variation.values import ValueKind, read_values
 from motionsync_fmu.sweeps.conditions import RowCondition
-from motionsync_fmu.sweeps.factors import ValueKind, read_values
 
 PLACE = 8_191_524.25  # a number that no scenario has
 FILE = Path("scenario.toml")

@@ -262,7 +262,7 @@ ADDED_TOO_FAR = (
         ),
         (
             {"reactions": ADDED_TOO_FAR},
-            "at 0.51 s gear_in_pos.master_sync_position = 2000000000300 is not allowed: it must be -1e+12 to 1e+12",
+            "at 0.51 s gear_in_pos.master_sync_position = 2.0000000003e+12 is not allowed: it must be -1e+12 to 1e+12",
             0.51,
         ),
         (

@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
 from motionsync.cutting.faults import MarkRefusal, NoLength, PieceFault
-from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
+from motionsync.cutting.interface import LateMode, Source, StartMode
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
 from tests.support.finite import run_finite
-from tests.support.random_runs import load_strategy
 from tests.support.runs import BlockRun
 
 INTEGER = 2147483647  # the largest number of FMI's Integer
@@ -78,17 +77,6 @@ def calls_of(act: Callable[[], object]) -> int:
 
 
 # --- no piece without a length ----------------------------------------------------------------------------------------
-
-
-@settings(several, max_examples=60)
-@given(data=st.data())
-def test_every_piece_has_a_length(machine: str, data: st.DataObject) -> None:
-    """On any line, with any commands, marks and settings."""
-    cuts = 0
-    for block in run_finite(BLOCKS[machine](), data.draw(load_strategy(machine).runs(300))):
-        if block.statistics.cuts > cuts:
-            assert block.last.length > 0.0, PieceKind(block.last.kind).name
-        cuts = block.statistics.cuts
 
 
 @settings(several, max_examples=40)

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.interface.variables import COMPUTED_DIGITS, computed, shown
+from motionsync_fmu.interface.variables import COMPUTED_DIGITS, SHOWN_DIGITS, rounded
 from motionsync_fmu.native.libraries import FOLDER as NATIVE
 from motionsync_fmu.native.libraries import FREESTANDING
 
+WRITE = "size_t write(char *to, double x, int digits) { return (size_t)(write_decimal(to, x, digits) - to); }"
 COUNT, LONG = 30_000, 1_000_000  # random numbers; besides, each power of two is tried with its neighbours
 SPECIAL = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.2250738585072014e-308, 1.7976931348623157e308]
 
@@ -24,12 +25,14 @@ SPECIAL = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.22507385
 def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """The C files as a library for this machine, compiled as they are for an FMU."""
     target = tmp_path_factory.mktemp("freestanding") / "library.so"
-    files = [str(NATIVE / "decimal.c"), str(FREESTANDING / "freestanding.c")]
+    decimal = target.with_name("decimal.c")
+    decimal.write_text('#include "decimal.h"\n' + WRITE)
+    files = [str(decimal), str(FREESTANDING / "freestanding.c")]
     compiler = [sys.executable, "-m", "ziglang", "cc", "-Os", "-fno-math-errno", "-ffp-contract=off"]
-    flags = ["-rtlib=none", "-fPIC", "-shared", "-I", str(FREESTANDING)]
+    flags = ["-rtlib=none", "-fPIC", "-shared", "-I", str(FREESTANDING), "-I", str(NATIVE)]
     subprocess.run([*compiler, *flags, *files, "-o", str(target)], check=True)
     library = ctypes.CDLL(str(target))
-    library.format_decimal.argtypes, library.format_decimal.restype = (c_double, c_int, c_char_p), c_size_t
+    library.write.argtypes, library.write.restype = (c_char_p, c_double, c_int), c_size_t
     for name, count in (("floor", 1), ("rint", 1), ("fmod", 2)):
         function = getattr(library, name)
         function.argtypes, function.restype = (c_double,) * count, c_double
@@ -54,14 +57,26 @@ def random_numbers(seed: int, count: int) -> Iterator[float]:
         yield generator.randrange(2**53) / 2 ** generator.randrange(60)
 
 
-def test_a_number_has_the_digits_of_python(library: ctypes.CDLL, soak: Callable[[int, int], int]) -> None:
-    text = create_string_buffer(32)
+@pytest.mark.parametrize("digits", [COMPUTED_DIGITS, SHOWN_DIGITS])
+def test_a_number_has_the_digits_of_python(digits: int, library: ctypes.CDLL, soak: Callable[[int, int], int]) -> None:
+    """What was written in so many digits is shown so. Any other number lies between two such texts: one near their
+    middle may get either."""
+    written = create_string_buffer(32)
+
+    def text_of(x: float) -> str:
+        length = library.write(written, x, digits)
+        assert length == len(written.value)
+        return written.value.decode()
+
     for x in random_numbers(1, soak(COUNT, LONG)):
-        length = library.format_decimal(x, 0, text)
-        assert text.value.decode() == shown(x), x.hex()
-        assert length == len(text.value)
-        library.format_decimal(x, COMPUTED_DIGITS, text)
-        assert text.value.decode() == computed(x), x.hex()
+        expected, text = rounded(x, digits), text_of(x)
+        if text != expected:
+            unit = 10.0 ** (math.floor(math.log10(abs(x))) + 1 - digits)
+            assert abs(float(text) - x) <= 0.51 * unit, x.hex()
+            assert text == rounded(float(text), digits)
+        if math.isfinite(float(expected)):  # the greatest number of all is rounded up
+            assert text_of(float(expected)) == expected
+    assert text_of(299.99999940000004) == ("300" if digits == COMPUTED_DIGITS else "299.9999994")
 
 
 def test_numbers_are_rounded_and_divided_as_python_does(library: ctypes.CDLL, soak: Callable[[int, int], int]) -> None:

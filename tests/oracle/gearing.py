@@ -273,13 +273,13 @@ class GearingRun(EventRun):
         elif before["activate"] and not self.inputs["activate"]:
             self._freeze()
         if self.active:
-            if rises("reset"):
-                self.error_id = 0
-                self._note("reset")
             if rises("start"):
                 self._rise()
             elif before["start"] and not self.inputs["start"]:
                 self._fall()
+            if rises("reset"):
+                self.error_id = 0
+                self._note("reset")
         else:
             self._while_not_active(*(rises(name) for name in ("reset", "set_master.execute", "set_slave.execute")))
 

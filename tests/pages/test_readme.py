@@ -146,7 +146,7 @@ def test_the_first_lines_from_python_run_as_they_are_printed(tmp_path: Path, mon
     1000 mm/s pieces of 600 and 800 mm are too short for this saw."""
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
-    exec(code_with(README, "result.to_frame()"), names)
+    exec(code_with(PYTHON, "result.to_frame()"), names)
     result, rows = names["result"], names["rows"].to_frame()
     assert [piece.length for piece in result.pieces] == pytest.approx([1200.0] * 7, abs=1e-6)
     assert result.passed

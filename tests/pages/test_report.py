@@ -22,6 +22,7 @@ from motionsync_fmu.pages.style import TEMPLATES, load_template, typeset
 from motionsync_fmu.scenario.cutting import CutSpec
 from motionsync_fmu.scenario.evaluate.cuts import passages
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
+from motionsync_fmu.scenario.evaluate.reference_comparison import read_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
@@ -357,7 +358,9 @@ def test_a_block_without_limits_shows_none(runs: dict[str, Run]) -> None:
 
 def test_the_reference_is_drawn_as_the_samples_that_it_is(runs: dict[str, Run]) -> None:
     s, recording = runs["Synchronizer/polynomial"]
-    rows = np.genfromtxt(s.file.parent / "Synchronizer_ref.csv", delimiter=",", names=True, deletechars="")
+    reference = read_reference(s)
+    assert reference
+    names, rows = reference
     chart = run_charts(s, recording)["motion"]
     for axis, name in (
         ("y", "slave.position"),
@@ -368,8 +371,8 @@ def test_the_reference_is_drawn_as_the_samples_that_it_is(runs: dict[str, Run]) 
         (trace,) = named(chart, "reference", axis)
         assert trace["mode"] == "markers"
         every = round(len(rows) / len(trace["x"]))
-        assert trace["x"] == pytest.approx(rows["time"][::every], rel=1e-8)
-        assert trace["y"] == pytest.approx(rows[name][::every], rel=1e-6, abs=1e-9)
+        assert trace["x"] == pytest.approx(rows[::every, 0], rel=1e-8)
+        assert trace["y"] == pytest.approx(rows[::every, 1 + names.index(name)], rel=1e-6, abs=1e-9)
 
 
 def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(cyclic_cut: Run) -> None:

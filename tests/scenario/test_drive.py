@@ -17,8 +17,8 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
 from motionsync_fmu.pages.results import write_results
 from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.scenario.evaluate.csv_files import inputs_csv
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
-from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process, simulate

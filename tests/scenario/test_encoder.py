@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.pages.results import write_outputs
 from motionsync_fmu.scenario.encoder import Encoder, noise_sample, sine
+from motionsync_fmu.scenario.evaluate.csv_files import write_outputs
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
-from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
+from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
 from tests.oracle import encoder as oracle
 from tests.oracle import mp, splitmix64
 from tests.support.recordings import assert_as_in_python

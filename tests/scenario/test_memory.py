@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.pages.results import write_outputs
-from motionsync_fmu.scenario.evaluate.reference_files import write_inputs
+from motionsync_fmu.scenario.evaluate.csv_files import write_inputs, write_outputs
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests.support.workshop import scenario

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.production_line.reader import load_line
-from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
+from motionsync_fmu.scenario.evaluate.csv_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process, simulate

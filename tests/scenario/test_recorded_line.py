@@ -15,14 +15,14 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import write_outputs
+from motionsync_fmu.scenario.evaluate.csv_files import write_outputs
 from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.toml_tables import read_file
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
-from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
+from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
 from tests.support import recorded_line
 from tests.support.recordings import assert_as_in_python, run_compiled
 from tests.support.scenario_texts import write_scenario

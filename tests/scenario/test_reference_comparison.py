@@ -1,7 +1,10 @@
 """References that are none are refused, rather than agreed with."""
 
 import os
+import zipfile
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.scenario.evaluate.reference_comparison import read_reference
+from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, read_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
 from tests.support.scenario_texts import VALID
@@ -52,6 +55,59 @@ def test_a_reference_is_read(tmp_path: Path) -> None:
 def test_what_is_no_reference_is_refused(tmp_path: Path, table: str, message: str) -> None:
     with pytest.raises(UserError, match=rf"Synchronizer_ref\.csv: not a reference: {message}$"):
         read_reference(with_reference(tmp_path, table))
+
+
+def with_archive(folder: Path, table: str) -> Scenario:
+    """A scenario of the Synchronizer in the folder `own`, with such a reference in the archive beside it."""
+    (folder / "own").mkdir()
+    (folder / "own" / "scenario.toml").write_text(VALID)
+    with zipfile.ZipFile(folder / ARCHIVE, "w") as z:
+        z.writestr("own/Synchronizer_ref.csv", table)
+        z.writestr("other/Synchronizer_ref.csv", HEADER)
+    return load_scenario(folder / "own" / "scenario.toml")
+
+
+def test_a_reference_next_to_the_file_counts_before_the_one_in_the_archive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the path is by which the scenario is found."""
+    scenario = with_archive(tmp_path, HEADER + ROWS)
+    monkeypatch.chdir(scenario.file.parent)
+    for file in scenario.file, Path("scenario.toml"), Path("../own/../own/scenario.toml"):
+        reference = read_reference(replace(scenario, file=file))
+        assert reference is not None
+        assert reference[1][:, 1].tolist() == [1.0, 2.0, 2.0, 4.0]
+    with_reference(scenario.file.parent, HEADER + ROWS.replace("4.0,4.0", "5.0,4.0"))
+    reference = read_reference(scenario)
+    assert reference is not None
+    assert reference[1][:, 1].tolist() == [1.0, 2.0, 2.0, 5.0]
+
+
+def test_a_scenario_that_the_archive_does_not_have_has_no_reference(tmp_path: Path) -> None:
+    scenario = with_archive(tmp_path, HEADER + ROWS)
+    assert read_reference(replace(scenario, file=tmp_path / "another" / "scenario.toml")) is None
+    assert read_reference(replace(scenario, file=tmp_path / "own" / "deeper" / "scenario.toml")) is None
+
+
+def test_a_mistake_in_an_archive_names_it_and_the_member(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"references\.zip.own.Synchronizer_ref\.csv: not a reference: 0 rows, fewer"):
+        read_reference(with_archive(tmp_path, HEADER))
+
+
+@pytest.mark.parametrize(
+    ("damaged", "message"),
+    [
+        (lambda whole: whole[:-3], r"references\.zip: File is not a zip file$"),
+        (lambda whole: whole.replace(b",1.0,", b",1.1,", 1), r"_ref\.csv: not a reference: Bad CRC-32 for file"),
+    ],
+)
+def test_a_damaged_archive_is_refused(tmp_path: Path, damaged: Callable[[bytes], bytes], message: str) -> None:
+    """Else nothing would be compared, or something else."""
+    scenario = with_archive(tmp_path, HEADER + ROWS)
+    archive = tmp_path / ARCHIVE
+    archive.write_bytes(damaged(archive.read_bytes()))
+    with pytest.raises(UserError, match=message):
+        read_reference(scenario)
 
 
 @pytest.mark.parametrize("kind", ["a link to nothing", "a folder", "a pipe"])

@@ -2,8 +2,10 @@
 
 import csv
 import shlex
+import shutil
 import subprocess
 import sys
+import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable
@@ -16,10 +18,16 @@ import pytest
 
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
+from motionsync_fmu.fmus.zip import zip_bytes
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.scenario.evaluate.csv_files import command_line, inputs_csv
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference, reference_file
-from motionsync_fmu.scenario.evaluate.reference_files import command_line, inputs_csv
+from motionsync_fmu.scenario.evaluate.reference_comparison import (
+    ARCHIVE,
+    compare_with_reference,
+    find_reference,
+    reference_file,
+)
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording
@@ -27,6 +35,7 @@ from motionsync_fmu.scenario.run import simulation
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps, simulate
 from tests import ROOT, regenerate
+from tests.support.calls import calls
 from tests.support.fmus import Fmus
 from tests.support.recordings import assert_same, run_compiled
 from tests.support.scenario_texts import SEGMENTS, VALID
@@ -76,17 +85,61 @@ def test_a_scenario_is_kept_by_both_flavours_with_the_same_bits(block: str, fmus
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
 def test_the_reference_is_that_of_the_oracle(folder: Path) -> None:
-    scenario, text = regenerate.with_reference(folder / "scenario.toml", keep)
-    reference = reference_file(scenario)
-    assert {f.name for f in folder.iterdir()} - {"trace.csv"} == {"scenario.toml", reference.name}
-    assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
+    assert {f.name for f in folder.iterdir()} - {"trace.csv"} == {"scenario.toml"}
+    assert_reference_is_made(folder / "scenario.toml")
+
+
+def assert_reference_is_made(file: Path) -> None:
+    scenario, text = regenerate.with_reference(file, keep)
+    reference = find_reference(scenario)
+    assert reference
+    assert reference.read_text("utf-8") == text, "the reference is not what `make references` writes"
 
 
 @pytest.mark.parametrize("file", regenerate.examples(), ids=list(BLOCKS))
 def test_the_reference_of_an_example_is_that_of_the_oracle(file: Path) -> None:
-    scenario, text = regenerate.with_reference(file, keep)
-    reference = reference_file(scenario)
-    assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
+    assert_reference_is_made(file)
+
+
+def test_an_archive_holds_the_references_of_its_scenarios_alone(block: str) -> None:
+    files = [reference_file(load_scenario(file)) for file in find_files(SCENARIOS / block)]
+    names = [file.relative_to(SCENARIOS / block).as_posix() for file in files]
+    assert list(regenerate.archived(SCENARIOS / block / ARCHIVE)) == sorted(names)
+
+
+def test_references_are_written_where_they_have_changed_and_their_differences_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A number that is 1e-6 greater, columns that are others, a scenario that is new and one that is no more."""
+    folder = tmp_path / "Synchronizer"
+    for name in ("polynomial", "falling_polynomial", "reversal_in_ramp"):
+        shutil.copytree(SCENARIOS / "Synchronizer" / name, folder / name)
+    (example,) = regenerate.examples(["Synchronizer"])
+    copied = shutil.copytree(example.parent, tmp_path / "block") / example.name
+    monkeypatch.setattr(regenerate, "SCENARIOS", tmp_path)
+    monkeypatch.setattr(regenerate, "examples", lambda _: [copied])
+    assert len([*regenerate.write_references("Synchronizer")]) == 3
+    archive = folder / ARCHIVE
+    whole, first = archive.read_bytes(), regenerate.archived(archive)
+    assert [*regenerate.write_references("Synchronizer")] == []
+    numbers, columns = (f"{name}/Synchronizer_ref.csv" for name in ("polynomial", "falling_polynomial"))
+    header, start, *rows = first[numbers].decode().splitlines()
+    cells = start.split(",")
+    cells[1] = repr(float(cells[1]) + 1e-6)
+    before = {
+        numbers: "\n".join([header, ",".join(cells), *rows]).encode(),
+        columns: first[columns].replace(b"slave.position", b"slave.other"),
+        "gone/Synchronizer_ref.csv": first[columns],
+    }
+    archive.write_bytes(zip_bytes(before, time.gmtime()))
+    changes = [*regenerate.write_references("Synchronizer")]
+    assert sorted(changes) == [
+        "Synchronizer/falling_polynomial: the reference has other columns or times",
+        "Synchronizer/gone: the reference is no more",
+        "Synchronizer/polynomial: slave.position differs by 1e-06 at 0.0 s",
+        "Synchronizer/reversal_in_ramp: the reference is new",
+    ]
+    assert archive.read_bytes() == whole
 
 
 @pytest.mark.parametrize(
@@ -145,22 +198,6 @@ def many(folder: Path, count: int) -> Path:
     file = folder / f"{count}.toml"
     file.write_text(MANY + "".join(tables), "utf-8")
     return file
-
-
-def calls(action: Callable[[], object]) -> int:
-    """How many functions of Python an action calls."""
-    result = 0
-
-    def see(frame: object, event: str, arg: object) -> None:
-        nonlocal result
-        result += event == "call"
-
-    sys.setprofile(see)
-    try:
-        action()
-    finally:
-        sys.setprofile(None)
-    return result
 
 
 @pytest.mark.parametrize(

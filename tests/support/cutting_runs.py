@@ -241,6 +241,14 @@ def features(block: Any) -> set[Any]:
     }
 
 
+def check(block: Any, off: int, fault: int) -> None:
+    """What belongs together in each state of any such block; `off`, `fault`: the states in which it does not run."""
+    assert block.running or block.state in (off, fault)
+    assert block.line.stop_request == (block.state == fault)
+    assert min(block.piece.length, block.limits.min_length) >= 0.0
+    assert block.last.length > 0.0 or block.statistics.cuts == 0
+
+
 def required_features(state: type[Any], warnings: type[Any]) -> set[Any]:
     """Those that the runs of a block with these states and warnings have to reach."""
     return {

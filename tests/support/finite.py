@@ -12,12 +12,12 @@ from motionsync_fmu.interface.variables import cells, step_size_refusal
 from tests.support.runs import BlockRun
 
 
-def run_finite(block: Any, run: BlockRun) -> Iterator[Any]:
+def run_finite(block: Any, run: BlockRun, requests: tuple[str, ...] = ()) -> Iterator[Any]:
     """Step a block along a run; yields the block after each step that it accepts.
 
-    All its numbers are finite then, except tunable parameters that the run itself sets to NaN or infinity. A step
-    whose size or inputs an FMU refuses is left out."""
-    stepper, names, lists = Stepper(block), *computed(type(block))
+    All its numbers are finite then, except tunable parameters that the run itself sets to NaN or infinity, and their
+    copies in `requests`, parts of the block. A step whose size or inputs an FMU refuses is left out."""
+    stepper, names, lists = Stepper(block), *computed(type(block), requests)
     checked = {v.name: v for v in declared_variables(type(block)).values() if v.checked}
     checked_names = tuple(checked)
     stepper.set(run.start)
@@ -35,9 +35,9 @@ def run_finite(block: Any, run: BlockRun) -> Iterator[Any]:
 
 
 @cache
-def computed(block_type: type) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The names of the numbers that a block computes, and those of its lists of numbers."""
+def computed(block_type: type, requests: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The names of the numbers that a block computes outside of some parts, and those of its lists of numbers."""
     settable = {v.name for v in declared_variables(block_type).values() if v.settable}
-    own = [c for c in cells(block_type()) if c.name not in settable]
+    own = [c for c in cells(block_type()) if c.name not in settable and not c.name.startswith(requests)]
     names, lists = (tuple(c.name for c in own if c.type is kind) for kind in (float, list))
     return names, lists

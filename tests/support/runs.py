@@ -27,8 +27,12 @@ class Strategy:
             Start values are within their limits.
         watch: the remarkable features of a block's present state.
         required_features: the features that a few runs have to reach; these also contain a refused step.
+        check: asserts what belongs together in each state of the block.
+        requests: the parts of the block that hold what a command asks for, valid or not.
     """
 
     runs: Callable[[int], st.SearchStrategy[BlockRun]]
     watch: Callable[[Any], set[Any]]
     required_features: frozenset[Any]
+    check: Callable[[Any], None] = lambda block: None
+    requests: tuple[str, ...] = ()

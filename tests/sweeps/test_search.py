@@ -13,7 +13,7 @@ from motionsync_fmu import search
 from motionsync_fmu.errors import Interrupted, UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario
-from motionsync_fmu.sweeps.factors import split_setting
+from motionsync_fmu.scenario.variation.values import split_setting
 from tests import ROOT
 from tests.oracle.cut_to_length_limits import Saw
 from tests.support.scenario_texts import EVEN_RAMP, write_scenario

@@ -14,15 +14,15 @@ from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
 from ..optional_dependencies import require
 from ..pages.report.page import write_report
-from ..pages.results import output_columns, write_results
+from ..pages.results import write_results
 from ..pages.run_view import view_run
 from ..pages.summary import figure_rows
 from ..paths import replace_file
 from ..scenario.evaluate.axis_figures import LoadFigures
+from ..scenario.evaluate.csv_files import csv_text, output_columns
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome, evaluate_run
 from ..scenario.evaluate.reference_comparison import reference_file
-from ..scenario.evaluate.reference_files import csv_text
 from ..scenario.evaluate.true_pieces import TruePieces
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate

@@ -14,6 +14,7 @@ from ..scenario.files.reader import MOST_STEPS, read_scenario_text
 from ..scenario.files.shipped import SCENARIO_FILE, find_scenario
 from ..scenario.files.toml_tables import read_file, writable
 from ..scenario.scenario import Scenario
+from ..scenario.variation.overrides import with_overrides
 
 Source = str | Path | Mapping[str, Any] | Scenario
 """A scenario's file or folder, its short name, the contents of its file as a mapping, or itself."""
@@ -34,8 +35,6 @@ def load(scenario: Source, *, set: Mapping[str, Value] | None = None, step_size:
     else:
         text, file = _text_of(scenario)
         if set:
-            from ..sweeps.overrides import with_overrides  # noqa: PLC0415 (SciPy is loaded where it is needed)
-
             loaded = with_overrides(text, file, {name: literal(value) for name, value in set.items()})
         else:
             loaded = read_scenario_text(text, file)

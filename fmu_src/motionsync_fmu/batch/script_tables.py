@@ -293,7 +293,8 @@ class RunTables:
             count = run["motion_count"].item()
             script = _Driven(self.breaks[:count], self.motions[:count], script.initial)
         time, settings = self.target[0, :n], self.settings(run["taken"].item())
-        computed = compute_columns(self.scenario, time, values)
+        scenario = self.scenario
+        computed = compute_columns(scenario.servo, scenario.load, scenario.slave_period, time, values)
         return Recording(time, values, axis, [], settings, self.unmet, script, computed)
 
     @property

@@ -44,7 +44,7 @@ def parse_factors(texts: Iterable[str]) -> dict[str, str]:
     Raises:
         UserError: a text is no such setting, or a name is given twice.
     """
-    from ..sweeps.factors import split_setting
+    from ..scenario.variation.values import split_setting
 
     values: dict[str, str] = {}
     for name, text in map(split_setting, texts):

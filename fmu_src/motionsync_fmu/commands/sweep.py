@@ -160,7 +160,7 @@ def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _Ru
 def _plot_command(plan: "SweepPlan", folder: Path) -> str:
     """The command that plots the rows over the first two numbers that vary, or a result over the only one. If only the
     seeds of random numbers vary, it shows how the true lengths are distributed."""
-    from ..sweeps.factors import is_seed
+    from ..scenario.variation.values import is_seed
     from ..sweeps.result_columns import TRUE_LENGTH_ERRORS, schema
 
     values, names = plan.values(0, 1), schema(plan).names

@@ -8,7 +8,6 @@ from motionsync.var import Role
 
 from .variables import Variable
 
-SAW, KNIFE = "saw", "knife"  # what cuts
 MOTION = ("position", "velocity", "acceleration")  # an axis has its motion under these names
 
 
@@ -90,15 +89,15 @@ class PieceVariables:
     edge_radius: str = ""
 
     @property
-    def tool(self) -> str:
-        """What cuts."""
-        return KNIFE if self.cut_spacing else SAW
+    def turns(self) -> bool:
+        """Whether the tool turns from cut to cut."""
+        return bool(self.cut_spacing)
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """The outputs that describe the pieces of a run."""
         last = (self.length, self.error, self.kind, self.in_tolerance, self.time, self.reserve)
-        turning = (self.cut_spacing, self.edge_radius) if self.cut_spacing else ()
+        turning = (self.cut_spacing, self.edge_radius) if self.turns else ()
         counted = (self.pieces, self.skipped, self.late)
         return (*counted, *last, self.running, self.cutting, self.coupling_factor, self.max_velocity, *turning)
 

@@ -4,6 +4,7 @@ This module is part of the Python FMU. It must not import motionsync, which the 
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from decimal import Decimal
 from enum import IntEnum
 from functools import cache
 from math import inf
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 LONGEST_STEP = 1e6  # s; a step may not be longer
 QUIET_TIME = 10.0  # s; a code that has not come for so long has ended (`Report.EPISODES`)
-COMPUTED_DIGITS = 7  # of a computed value in a log line; values that were set have all theirs
+SHOWN_DIGITS, COMPUTED_DIGITS = 12, 7  # of a value that was set, and of a computed one, in a log line
 LEAST_INTEGER, GREATEST_INTEGER = -(2**31), 2**31 - 1  # of FMI's Integers
 KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
@@ -99,11 +100,8 @@ class Variable:
             return value in self.cell.choices
         if self.cell.type is bool:
             return True
-        d = self.declaration
-        if self.cell.type is int and not LEAST_INTEGER <= value <= GREATEST_INTEGER:
-            return False
-        fits = -inf < value < inf and d.min <= value <= d.max and d.above < value < d.below
-        return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
+        fits = self.cell.type is not int or LEAST_INTEGER <= value <= GREATEST_INTEGER
+        return fits and self.declaration.allows(value)
 
     def text(self, value: float) -> str:
         """A value as people read it: an enumeration's member by name, true or false, a number with ten digits."""
@@ -169,16 +167,19 @@ def members(kind: Any) -> list[Any]:
 
 
 def shown(value: Any) -> str:
-    """A value in a log line: a Real with the fewest of 6, 15, 16 or 17 digits that give the same number again."""
-    if not isinstance(value, float):
-        return str(value)
-    texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
-    return next((text for text in texts if float(text) == value), texts[0])
+    """A value that was set, in a log line: a Real with twelve digits at most."""
+    return rounded(value, SHOWN_DIGITS) if isinstance(value, float) else str(value)
 
 
 def computed(value: Any) -> str:
     """A value that a block has computed, in a log line: a Real with seven digits at most."""
-    return f"{value:.{COMPUTED_DIGITS}g}" if isinstance(value, float) else str(value)
+    return rounded(value, COMPUTED_DIGITS) if isinstance(value, float) else str(value)
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number in so many digits, or in six if they are enough."""
+    short, long = f"{value:g}", f"{value:.{digits}g}"
+    return short if short == long or Decimal(short) == Decimal(long) else long
 
 
 def step_size_refusal(h: float) -> str:
@@ -258,7 +259,7 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
     `overrides`: the causality of each variable that has another one than the block declares, by name."""
     depends, periods = (declared_of_parts(block, key) for key in ("depends", "periods"))
     overrides = overrides or {}
-    return [
+    result = [
         Variable(
             c,
             c.declaration.of_real_input() if c.type is float and overrides.get(c.name) == "input" else c.declaration,
@@ -270,3 +271,6 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
         for c in cells(block)
         if c.declaration
     ]
+    tunables = enumerate((v for v in result if v.declaration.tunable), 1)
+    ranges = {number: (v.name, v.allowed_range) for number, v in tunables if v.kind != "Boolean"}
+    return [replace(v, declaration=v.declaration.with_parameters(ranges)) for v in result]

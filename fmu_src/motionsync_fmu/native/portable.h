@@ -33,7 +33,6 @@
 #define block_initialize OWN(UNIT_PREFIX, block_initialize)
 #define block_start OWN(UNIT_PREFIX, block_start)
 #define block_step OWN(UNIT_PREFIX, block_step)
-#define format_decimal OWN(UNIT_PREFIX, format_decimal)
 #define system_memory OWN(UNIT_PREFIX, system_memory)
 #define unit_check_mode OWN(UNIT_PREFIX, unit_check_mode)
 #define unit_check_pointer OWN(UNIT_PREFIX, unit_check_pointer)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from itertools import pairwise
-from math import inf, isinf, nextafter
+from math import isinf
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,16 @@ from ..compiler.memory_layout import dtype, offset
 from ..compiler.translator.text import literal
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import COMPUTED_DIGITS, LONGEST_STEP, QUIET_TIME, Variable, cells, refusals, variables
+from ..interface.variables import (
+    COMPUTED_DIGITS,
+    LONGEST_STEP,
+    QUIET_TIME,
+    SHOWN_DIGITS,
+    Variable,
+    cells,
+    refusals,
+    variables,
+)
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -73,6 +82,7 @@ def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = No
         messages=messages,
         coded=[*coded, LAST_CODED],
         episodes=episodes,
+        shown_digits=SHOWN_DIGITS,
         computed_digits=COMPUTED_DIGITS,
         quiet_time=repr(QUIET_TIME),
         flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),
@@ -130,10 +140,9 @@ def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
 def _range(v: Variable, pool: Pool) -> Row:
     """The allowed values; a limit that is not allowed itself is replaced by the number next to it."""
     d = v.declaration
-    low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
-    smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
+    low, high = d.ends
     choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
-    return number(low), number(high), number(smallest), literal(d.zero), choices, pool.text(v.allowed_range)
+    return number(low), number(high), number(d.least_magnitude), literal(d.zero), choices, pool.text(v.allowed_range)
 
 
 def _time(pool: Pool) -> Row:

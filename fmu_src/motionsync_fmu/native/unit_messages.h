@@ -31,17 +31,16 @@ COLD static void append_integer(Text *text, int64_t x) {
     append(text, digits + first, sizeof digits - first);
 }
 
-/* `digits`: as for format_decimal. */
 COLD static void append_real(Text *text, double x, int digits) {
     char decimal[DECIMAL_TEXT_SIZE];
-    append(text, decimal, format_decimal(x, digits, decimal));
+    append(text, decimal, (size_t)(write_decimal(decimal, x, digits) - decimal));
 }
 
-/* What was set has all its digits, so that one finds it again. */
+/* What was set has more digits than what was computed, so that one finds it again. */
 COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
     append_text(text, name_of(v));
     append_text(text, " = ");
-    if (v->kind == REAL) append_real(text, number_of(u, v), v->modes ? 0 : COMPUTED_DIGITS);
+    if (v->kind == REAL) append_real(text, number_of(u, v), v->modes ? SHOWN_DIGITS : COMPUTED_DIGITS);
     else if (v->kind == BOOLEAN) append_text(text, number_of(u, v) != 0.0 ? "True" : "False");
     else append_integer(text, *(const int64_t *)value_at(u, v));
 }
@@ -89,7 +88,7 @@ COLD Status unit_report(const Unit *u, Status status, const char *format, ...) {
         else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
         else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
         else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
-        else if (*format == 'r') append_real(&text, va_arg(arguments, double), 0);
+        else if (*format == 'r') append_real(&text, va_arg(arguments, double), SHOWN_DIGITS);
         else if (*format == 'f') append_real(&text, va_arg(arguments, double), COMPUTED_DIGITS);
         else {
             const int16_t *list = va_arg(arguments, const int16_t *);

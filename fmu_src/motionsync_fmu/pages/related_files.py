@@ -11,8 +11,8 @@ import numpy as np
 
 from ..interface.fingerprint import Files
 from ..interface.roles import MOTION
+from ..scenario.evaluate.csv_files import csv_text, inputs_csv
 from ..scenario.evaluate.reference_comparison import read_reference
-from ..scenario.evaluate.reference_files import csv_text, inputs_csv
 from ..scenario.scenario import Scenario
 from .numbers import rounded
 from .style import TEMPLATES, load_template

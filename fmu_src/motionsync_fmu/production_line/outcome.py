@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ..paths import replace_files
+from ..scenario.evaluate.csv_files import csv_text
 from ..scenario.evaluate.expectations import Check
-from ..scenario.evaluate.reference_files import csv_text
 from .evaluation import LineResult, VariantErrors
 from .line import REMOTE, ProductionLine
 from .package import LinePackage

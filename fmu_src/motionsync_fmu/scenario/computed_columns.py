@@ -4,7 +4,6 @@ Neither acts back on the block. Runs in Python and in compiled code get the colu
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from motionsync.var import Declaration, Unit
 
@@ -12,9 +11,6 @@ from ..interface.variables import Cell, Variable
 from .load import Load
 from .recording import Reals, unwrapped
 from .servo import Servo
-
-if TYPE_CHECKING:
-    from .scenario import Scenario
 
 SETPOINT = ("slave.position", "slave.velocity", "slave.acceleration")
 ACTUAL_POSITION, ACTUAL_VELOCITY = "actual.slave.position", "actual.slave.velocity"
@@ -47,18 +43,20 @@ def needed_outputs(servo: Servo | None, load: Load | None) -> tuple[str, ...]:
     return SETPOINT[:2] if servo else SETPOINT[1:] if load else ()
 
 
-def compute_columns(scenario: "Scenario", time: Reals, values: Mapping[str, Reals]) -> dict[str, Reals]:
+def compute_columns(
+    servo: Servo | None, load: Load | None, slave_period: float, time: Reals, values: Mapping[str, Reals]
+) -> dict[str, Reals]:
     """The columns of a run by name, each of shape (points,); none if an output is missing that they need.
 
-    `time`: the communication points, in s; `values`: the recorded outputs."""
-    servo, load = scenario.servo, scenario.load
+    `slave_period`: that of the slave's position, in u; 0: it is not wrapped. `time`: the communication points, in s;
+    `values`: the recorded outputs."""
     needed = needed_outputs(servo, load)
     if not needed or any(name not in values for name in needed):
         return {}
     columns: dict[str, Reals] = {}
     velocity = values[SETPOINT[1]]
     if servo:
-        setpoint = unwrapped(time, values[SETPOINT[0]], velocity, scenario.slave_period)
+        setpoint = unwrapped(time, values[SETPOINT[0]], velocity, slave_period)
         actual = servo.follow(time, setpoint, velocity)
         velocity, acceleration = actual.velocity, actual.acceleration
         columns |= {ACTUAL_POSITION: actual.position, ACTUAL_VELOCITY: velocity}

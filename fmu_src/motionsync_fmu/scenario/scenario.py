@@ -93,7 +93,7 @@ class Scenario:
     """A checked scenario.
 
     Attributes:
-        file: where it was read from; the reference and the inputs for FMPy are next to it.
+        file: where it was read from.
         text: what was read.
         recipe: the FMU that runs it.
         unit: the unit of positions, for reports; the numbers of the FMU do not depend on it.
@@ -151,7 +151,7 @@ class Scenario:
 
     @property
     def label(self) -> str:
-        """The block and the name of the scenario's folder: `Gearing/gear_in_direct`."""
+        """The block and the name of the scenario's folder: `Gearing/ccw_direct`."""
         return f"{self.recipe.name}/{self.name}"
 
     def step_refusal(self, step_size: float) -> str:

@@ -15,13 +15,13 @@ import pyarrow as pa
 
 from ..errors import UserError
 from ..scenario.files.toml_tables import read_toml
+from ..scenario.variation.scenario_variation import ScenarioVariation
+from ..scenario.variation.values import Range, read_values
 from .bisection import Boundaries, Flags, Indices, Reals, bisect
 from .conditions import RowCondition
-from .factors import Range, read_values
 from .measures import check_measures
 from .result_columns import measure_columns, schema
 from .rows import rows_with
-from .scenario_variation import ScenarioVariation
 from .sweep_plan import FILE, SEARCH, SamplingOptions, SweepPlan
 
 POINT, OTHER_SIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"

@@ -6,8 +6,8 @@ import pyarrow as pa
 
 from ..interface.roles import piece_variables
 from ..scenario.scenario import Scenario
+from ..scenario.variation.expressions import Array
 from .axis_limit_check import AxisLimitCheck
-from .expressions import Array
 from .measures import Measures
 from .sweep_plan import SweepPlan
 

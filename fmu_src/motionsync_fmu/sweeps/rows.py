@@ -12,7 +12,7 @@ import pyarrow as pa
 from ..batch.scripted_runs import run_scenarios
 from ..errors import UserError
 from ..scenario.scenario import Scenario
-from .expressions import Array
+from ..scenario.variation.expressions import Array
 from .measures import Measures, join_measures
 from .result_columns import schema
 from .run_evaluation import Row, RunEvaluation, refused_row

@@ -1,6 +1,6 @@
 """Evaluates the runs of a sweep: the results in a row, in addition to its number, its values and its measures.
 
-A run is evaluated as `motionsync run` does, without the reference next to the scenario's file, which belongs to the
+A run is evaluated as `motionsync run` does, without the scenario's reference, which belongs to the
 scenario as it is there. Only what needs the whole course is recorded; the rest comes from measures, which the compiled
 loop computes step by step."""
 

@@ -24,11 +24,11 @@ from ..fmus.guid import compute_guid
 from ..paths import replace_file
 from ..scenario.files.toml_tables import read_file, read_toml
 from ..scenario.scenario import Scenario
-from .expressions import Array, Expression, sort_by_need
-from .factors import Linear, Listed, Range, Values, read_values, split_setting
+from ..scenario.variation.expressions import Array, Expression, sort_by_need
+from ..scenario.variation.scenario_variation import ScenarioVariation, Target
+from ..scenario.variation.values import Linear, Listed, Range, Values, read_values, split_setting
 from .measures import check_measures
 from .samples import Method, Samples, sampler
-from .scenario_variation import ScenarioVariation, Target
 
 FILE = "plan.toml"
 SCENARIO = "swept_scenario.toml"  # beside it: the scenario's file as it was; no search for scenarios finds this name

@@ -6,12 +6,11 @@ a chunk is."""
 import logging
 import os
 import pickle
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from operator import methodcaller
 from pathlib import Path
 from pkgutil import resolve_name
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 REACH_TIME = 10.0  # s within which a scheduler has to answer
 POLL_TIME = 0.2  # s after which waiting looks up
 CHECK_INTERVAL = 2.0  # s between two checks of which workers there are
-STALL_TIME = 30.0  # s without a finished chunk after which that is reported; then after twice as long, and so on
 CHUNKS_PER_THREAD = 2  # chunks that a thread of a worker has at a time: one that it works on, one that waits
 LOCALHOST = "127.0.0.1"
 MOTIONSYNC = "motionsync_fmu:__version__"
@@ -108,43 +106,24 @@ class ThisProcess:
         return result
 
 
-@dataclass
 class Workers:
-    """Worker processes of this computer, one thread each. One that ends is replaced."""
+    """Worker processes of this computer, one thread each. Dask's own process for them replaces one that ends."""
 
-    address: str
-    number: int
-    folder: Path
-    running: list[subprocess.Popen[bytes]] = field(default_factory=list)
-    lost: int = 0  # since a chunk was done
-
-    def replace_missing(self) -> None:
-        """Start those that are missing.
-
-        Raises:
-            UserError: they end again and again, and no chunk is done.
-        """
-        alive = [process for process in self.running if process.poll() is None]
-        self.lost += len(self.running) - len(alive)
-        if self.lost > 3 * self.number + 3:
-            raise UserError(f"the workers end as soon as they are started; the last line of one: {self._last_line()}")
-        self.running = alive
-        while len(self.running) < self.number:
-            self.running.append(self._start())
-
-    def _start(self) -> "subprocess.Popen[bytes]":
-        """Start a worker, in a session of its own: the Ctrl-C of a terminal is for the command alone."""
-        command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", self.address]
-        command += ["--no-nanny", "--nthreads", "1", "--memory-limit", "0", "--host", LOCALHOST, "--no-dashboard"]
+    def __init__(self, address: str, number: int, folder: Path) -> None:
+        """Start them, in a session of their own: the Ctrl-C of a terminal is for the command alone."""
+        command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", address]
+        command += ["--nworkers", str(number), "--nthreads", "1", "--memory-limit", "0", "--host", LOCALHOST]
         command += [
+            "--no-dashboard",
             "--dashboard-address",
             f"{LOCALHOST}:0",
-        ]  # of its HTTP server, which it has without a dashboard, too
-        command += ["--death-timeout", "60", "--local-directory", str(self.folder)]
+        ]  # its HTTP server is there anyway
+        command += ["--death-timeout", "60", "--local-directory", str(folder)]
         path = os.pathsep.join(filter(None, sys.path))
         windows: Any = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-        with self._log().open("ab") as log:
-            return subprocess.Popen(
+        self.log = folder / "workers.log"
+        with self.log.open("ab") as log:
+            self.process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=log,
@@ -153,34 +132,26 @@ class Workers:
                 **(windows if sys.platform == "win32" else {"start_new_session": True}),
             )
 
-    def _log(self) -> Path:
-        return self.folder / "workers.log"
+    def check(self) -> None:
+        """Check that they have not ended for good.
 
-    def _last_line(self) -> str:
-        lines = self._log().read_text("utf-8", "replace").splitlines()
-        return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
-
-    def describe_stopped(self) -> str:
-        """The workers that a signal has stopped, as the end of a sentence; empty if there are none."""
-        import psutil  # noqa: PLC0415 (it comes with Dask)
-
-        stopped = []
-        for process in self.running:
-            with suppress(psutil.NoSuchProcess):
-                if psutil.Process(process.pid).status() == psutil.STATUS_STOPPED:
-                    stopped.append(str(process.pid))
-        return f"; stopped, by a signal: process {', '.join(stopped)}" if stopped else ""
+        Raises:
+            UserError: they have.
+        """
+        if self.process.poll() is not None:
+            lines = filter(str.strip, self.log.read_text("utf-8", "replace").splitlines())
+            raise UserError(f"the workers have ended; their last line: {[*lines, 'nothing'][-2:][0].strip()}")
 
     def end(self) -> None:
         """End them at once, and what they have started; what they were working on is lost."""
-        for process in self.running:
-            if sys.platform == "win32":
-                process.kill()
-            else:
-                with suppress(ProcessLookupError):  # it has ended by itself
-                    os.killpg(process.pid, signal.SIGKILL)
-        for process in self.running:
-            process.wait()
+        import psutil  # noqa: PLC0415 (it comes with Dask)
+
+        with suppress(psutil.NoSuchProcess):  # it has ended by itself
+            parent = psutil.Process(self.process.pid)
+            for process in (*parent.children(recursive=True), parent)[::-1]:  # first the one that replaces the others
+                with suppress(psutil.NoSuchProcess):
+                    process.kill()
+        self.process.wait()
 
 
 class Cluster:
@@ -196,8 +167,6 @@ class Cluster:
         self.checked_workers: set[str] = set()
         self.threads = 0
         self.looked = -CHECK_INTERVAL
-        self.latest = monotonic()  # when a chunk was done, or the first one given
-        self.patience = STALL_TIME
         self.batch = uuid4().hex
         self.task = task
         self.packed = pickle.loads, pickle.dumps(task)
@@ -209,8 +178,6 @@ class Cluster:
         return CHUNKS_PER_THREAD * self.threads
 
     def give_chunk(self, number: int) -> None:
-        if not self.numbers:
-            self.latest = monotonic()
         key = f"chunk-{self.batch}-{number}"
         (future,) = self.client.get({key: (methodcaller("__call__", number), self.packed)}, [key], sync=False)
         self.numbers[future] = number
@@ -218,23 +185,12 @@ class Cluster:
 
     def try_take_finished(self) -> FinishedChunk | None:
         if not self.threads or monotonic() - self.looked > CHECK_INTERVAL:
-            self.replace_missing()
+            self.look()
         try:
             future = self.results.get(timeout=POLL_TIME)
         except Empty:
-            self._report_stall()
             return None
-        self.latest, self.patience = monotonic(), STALL_TIME
-        if self.own:
-            self.own.lost = 0
         return self._done(self.numbers.pop(future), future)
-
-    def _report_stall(self) -> None:
-        """Report that no chunk has been done for a while, less and less often."""
-        if self.numbers and monotonic() - self.latest > self.patience:
-            stopped = self.own.describe_stopped() if self.own else ""
-            self.notify(f"no chunk of runs has been done for {self.patience:.0f} s{stopped}")
-            self.patience *= 2.0
 
     def _done(self, number: int, future: "Future") -> FinishedChunk:
         from distributed import CancelledError, KilledWorker  # noqa: PLC0415 (part of an extra)
@@ -248,14 +204,14 @@ class Cluster:
         except CancelledError:
             raise UserError(f"the scheduler {self.client.scheduler.address} is gone") from None
 
-    def replace_missing(self) -> None:
+    def look(self) -> None:
         """See which workers there are; who is new has to have this version of motionsync.
 
         Raises:
-            UserError: a worker has another one, or cannot be started.
+            UserError: a worker has another one, or those of this computer have ended.
         """
         if self.own:
-            self.own.replace_missing()
+            self.own.check()
         threads: dict[str, int] = self.client.nthreads()
         if not threads and not self.own and self.looked < 0.0:
             self.notify(f"waiting for the first worker of {self.client.scheduler.address}")

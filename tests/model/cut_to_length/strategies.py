@@ -83,6 +83,11 @@ def features(block: CutToLength) -> set[Any]:
     }
 
 
+def check(block: CutToLength) -> None:
+    cutting_runs.check(block, State.OFF, State.FAULT)
+    assert 0.0 <= block.local.progress <= 1.0
+
+
 STRATEGY = Strategy(
     runs,
     features,
@@ -96,4 +101,5 @@ STRATEGY = Strategy(
             ("eased", True),
         }
     ),
+    check,
 )

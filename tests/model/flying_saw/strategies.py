@@ -176,4 +176,5 @@ STRATEGY = Strategy(
             *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
         }
     ),
+    requests=("motion_request.", "new_request."),
 )

@@ -155,6 +155,11 @@ def watch(block: Follower) -> set[Any]:
     }
 
 
+def check(block: Follower) -> None:
+    assert (block.state == State.M_IN_ALARM) == (block.error_id >= 2)
+    assert block.slave_cycle <= 0.0 or 0.0 <= block.slave.position < block.slave_cycle
+
+
 # The faults that are not rare.
 OFTEN = (
     Fault.NONE,
@@ -180,4 +185,5 @@ STRATEGY = Strategy(
             *(("shortened approach", is_shortened) for is_shortened in (False, True)),
         }
     ),
+    check,
 )

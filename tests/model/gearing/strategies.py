@@ -117,6 +117,11 @@ def watch(block: Gearing) -> set[Any]:
     }
 
 
+def check(block: Gearing) -> None:
+    assert 0.0 <= block.local.progress <= 1.0
+    assert block.in_gear == (block.state == State.ACTIVE)
+
+
 # The sources that a request may have in the states that carry it out; without transition GEAR_IN and GEAR_OUT end at
 # once.
 MANOEUVRES = {
@@ -149,4 +154,5 @@ STRATEGY = Strategy(
         }
     )
     - AT_ONCE,
+    check,
 )

@@ -82,3 +82,9 @@ def test_in_time_at_rest_and_direct_in_either_direction_it_begins_at_once() -> N
     gear = GearingHarness(three_halves()).start(start_mode=StartMode.CW_CCW_DIRECT, transition=TIME, time=2.0).run(0.5)
     assert (gear.state, gear["local.progress"]) == (GEAR_IN, 0.25)
     assert gear.run(1.5).state == ACTIVE
+
+
+@pytest.mark.parametrize("steps", [10, 100, 1000])
+def test_many_small_steps_end_a_transition_on_time(steps: int) -> None:
+    gear = GearingHarness(speed=10.0).start(start_mode=StartMode.CW_CCW_DIRECT, transition=TIME, time=1.0)
+    assert gear.run(1.0, cuts=[i / steps for i in range(1, steps)]).state == ACTIVE

@@ -62,6 +62,12 @@ def features(block: RotaryKnife) -> set[Any]:
     return cutting_runs.features(block) | {("in sync", block.sync.mode if block.in_sync else None)}
 
 
+def check(block: RotaryKnife) -> None:
+    cutting_runs.check(block, State.OFF, State.FAULT)
+    assert 0.0 <= block.slave.position < block.knife.turn
+    assert block.in_sync == block.knife.in_window == (block.state == State.SYNCHRONOUS)
+
+
 STRATEGY = Strategy(
     runs,
     features,
@@ -73,4 +79,5 @@ STRATEGY = Strategy(
             *(("exceeded", limit) for limit in KNIFE_LIMITS),
         }
     ),
+    check,
 )

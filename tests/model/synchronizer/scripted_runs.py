@@ -1,9 +1,7 @@
-"""Random scripts of a master with commands, the Synchronizer's run along one, and its comparison with the oracle."""
+"""Random scripts of a master with commands, and the comparison of the Synchronizer with its oracle along one."""
 
 import math
-from bisect import bisect_right
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
@@ -11,14 +9,12 @@ from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
-from motionsync.synchronizer.faults import Refusal
-from tests.model.synchronizer.harness import END, ONLY, write
 from tests.oracle import mp
-from tests.oracle.master import Stretch, stretches
+from tests.oracle.master import stretches
 from tests.oracle.synchronizer import reference
+from tests.support.harness import MOTION, Row
+from tests.support.oracle_runs import Script, find_differences, simulate
 
-Row = dict[str, float]
-MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 WRAPPED = ("slave.position", "local.ramp_begin", "local.ramp_end")
 LENGTHS = ("local.distance_to_begin", "local.distance_to_end", "local.transition_distance")
 CODES = (
@@ -27,77 +23,6 @@ CODES = (
 )
 PEAKS = ("local.peak_acceleration_per_v2", "local.peak_jerk_per_v3")
 OUTPUTS = (*MOTION, *CODES, *WRAPPED[1:], "local.progress", *LENGTHS, *PEAKS)
-
-
-def read(block: Synchronizer) -> Row:
-    row = {}
-    for name in OUTPUTS:
-        value: Any = block
-        for step in name.split("."):
-            value = getattr(value, step)
-        row[name] = float(value)
-    return row
-
-
-class Feed:
-    """What a simulator would set at the master's inputs: exact values of the script, rounded once."""
-
-    def __init__(self, scenario: Mapping[str, Any]) -> None:
-        self.stretches = stretches(scenario["master"], mp.mpf(scenario["stop_time"]) + 1)
-        self.begin_times = [stretch.begin for stretch in self.stretches]
-        self.period = mp.mpf(scenario["start"].get("master.period", 0))
-
-    def stretch(self, time: Any, after: bool) -> Stretch:
-        """The stretch at `time`; where two meet the one after or before."""
-        index = bisect_right(self.begin_times, time) - 1
-        return self.stretches[index if after or self.begin_times[index] < time else index - 1]
-
-    def set_master(self, block: Synchronizer, at: float, *, after: bool) -> None:
-        time = mp.mpf(at)
-        motion = self.stretch(time, after).at(time)
-        position = motion.position
-        if self.period:
-            position -= mp.floor(position / self.period) * self.period
-        block.master.position = float(position)
-        if block.master.input_mode != ONLY:
-            block.master.velocity, block.master.acceleration = float(motion.velocity), float(motion.acceleration)
-
-
-def play(
-    scenario: Mapping[str, Any], boundaries: Sequence[float], mode: MasterInput, retained: set[float]
-) -> dict[float, Row]:
-    """The block's outputs at the kept boundaries of its steps."""
-    block, feed = Synchronizer(), Feed(scenario)
-    write(block, {**scenario["start"], "master.input_mode": mode})
-    feed.set_master(block, 0.0, after=True)
-    assert block.initialize() == Refusal.NONE
-    rows = {0.0: read(block)} if 0.0 in retained else {}
-    sets: dict[float, dict[str, Any]] = {}
-    for table in scenario["set"]:
-        sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
-    for begin, end in pairwise(boundaries):
-        write(block, sets.get(begin, {}))
-        if mode == END:
-            feed.set_master(block, end, after=False)
-        else:
-            feed.set_master(block, begin, after=True)
-        assert block.step(end - begin) == Refusal.NONE
-        if end in retained:
-            rows[end] = read(block)
-    return rows
-
-
-def corners(scenario: Mapping[str, Any]) -> set[float]:
-    """The times at which a step must end: sets and segment boundaries."""
-    result, time = {0.0, scenario["stop_time"]}, 0.0
-    for segment in scenario["master"]["segments"]:
-        time += segment["duration"]
-        result.add(time)
-    return result | {table["at"] for table in scenario["set"]}
-
-
-def every(h: float, scenario: Mapping[str, Any]) -> set[float]:
-    return {k * h for k in range(math.ceil(scenario["stop_time"] / h))}
 
 
 class Scales:
@@ -127,34 +52,13 @@ class Scales:
         return tolerances
 
 
-def differences(row: Row, expected: Sequence[Row], tolerances: Row, period: float) -> list[str]:
-    """Columns of `row` that are neither at nor between the expected ones; positions may differ by whole periods."""
-    bad = []
-    for name, tolerance in tolerances.items():
-        value, allowed = row[name], [other[name] for other in expected]
-        if period > 0.0 and name in WRAPPED:
-            is_allowed = any(abs(math.remainder(value - other, period)) <= tolerance for other in allowed)
-            is_allowed = is_allowed and 0.0 <= value < period
-        else:
-            is_allowed = min(allowed) - tolerance <= value <= max(allowed) + tolerance
-        if not is_allowed:
-            bad.append(f"{name} is {value!r}, not {allowed}")
-    return bad
-
-
-def compute_expected(scenario: Mapping[str, Any], times: Sequence[float]) -> dict[float, list[Row]]:
-    rows: dict[float, list[Row]] = {}
-    for row in reference(scenario, times):
-        rows.setdefault(row["time"], []).append(row)
-    return rows
-
-
 def assert_as_oracle(
-    scenario: Mapping[str, Any], rows: Mapping[float, Row], expected: Mapping[float, list[Row]], tolerances: Row
+    scenario: Script, ends: Iterable[float], mode: MasterInput, times: set[float], tolerances: Row
 ) -> None:
-    period = float(scenario["start"].get("master.period", 0.0))
-    for time, row in rows.items():
-        assert not differences(row, expected[time], tolerances, period), (time, scenario)
+    """In steps that end at `ends` and where the script needs it, at these times."""
+    rows = simulate(Synchronizer(), scenario, ends, OUTPUTS, mode=mode, recorded=times)
+    periods = dict.fromkeys(WRAPPED, float(scenario["start"].get("master.period", 0.0)))
+    assert find_differences(reference, scenario, rows, tolerances, periods) == [], scenario
 
 
 PERIODS = [0.0, 0.0, 0.0, 0.1, 0.7, 6.2, 7.7, 31.4, 360.0]
@@ -177,10 +81,10 @@ def random_segments(rng: Random, reach: float, jumps: bool, single: bool) -> lis
     return segments
 
 
-def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bool = False) -> dict[str, Any]:
+def scripted(rng: Random, *, jumps: bool = True, single: bool = False) -> dict[str, Any]:
     """A master that mostly moves in one direction, and commands mostly for this direction; most stops are in time.
 
-    `jumps`: of the velocity; `single`: one acceleration; `sound`: no command is refused and nothing deactivated."""
+    `jumps`: of the velocity; `single`: one acceleration."""
     span, direction = rng.choice([1.0, 10.0, 60.0]), rng.choice([1.0, -1.0])
     period = 0.0 if single else rng.choice(PERIODS)
     segments = random_segments(rng, span * direction, jumps, single)
@@ -203,14 +107,13 @@ def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bo
             reached = float(next(stretch for stretch in path if stretch.end >= at).at(at).position)
             table["rest_value"] = reached + direction * span * rng.choice([0.1, 0.3, 1.0]) * rng.uniform(-0.2, 2.0)
         if rng.random() < 0.3:
-            bad = [] if sound else [rng.choice([0.0, 1e-10, -1e13, math.inf])]
+            bad = [rng.choice([0.0, 1e-10, -1e13, math.inf])]
             table["output_phasing"] = rng.choice([phasing(), phasing(), phasing(), *bad])
-        if rng.random() < 0.15 and not sound:
+        if rng.random() < 0.15:
             table["active"] = rng.random() < 0.6
         sets += [table, {"at": at + 0.01, "start": False, "stop": False}]
     start = {"curve": rng.choice([1, 2]), "output_phasing": phasing(), "master.period": period}
-    if not sound:
-        start |= {"active": rng.random() < 0.8, "start": rng.random() < 0.2}
+    start |= {"active": rng.random() < 0.8, "start": rng.random() < 0.2}
     sets.sort(key=lambda each: each["at"])
     return {"stop_time": stop_time, "start": start, "master": master, "set": sets}
 

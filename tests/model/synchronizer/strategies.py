@@ -83,6 +83,15 @@ def watch(block: Synchronizer) -> set[Any]:
     }
 
 
+def check(block: Synchronizer) -> None:
+    period, local = block.master.period, block.local
+    assert period == 0.0 or 0.0 <= block.slave.position < period
+    assert 0.0 <= local.progress <= 1.0
+    assert min(local.distance_to_begin, local.distance_to_end) >= 0.0
+    assert block.ready == (block.state == State.READY)
+    assert block.status == block.syn_synchronized + 2 * block.syn_ramp_on
+
+
 STRATEGY = Strategy(
     runs,
     watch,
@@ -94,4 +103,5 @@ STRATEGY = Strategy(
             *(("curve", curve) for curve in Curve),
         }
     ),
+    check,
 )

@@ -6,7 +6,6 @@ import pytest
 
 from motionsync.synchronizer.interface import Curve
 from tests.model.synchronizer.harness import EXECUTING, PARABOLA, POLYNOMIAL, READY, Harness
-from tests.model.synchronizer.ramp_results import RAMP_RESULTS
 
 
 def test_back_below_the_begin_the_command_waits_again() -> None:
@@ -84,6 +83,22 @@ def test_the_slave_on_the_polynomial_by_the_chain_rule() -> None:
     assert (local.progress, local.distance_to_begin, local.distance_to_end) == (0.5, 0.0, 7.5)
     assert local.peak_acceleration_per_v2 == pytest.approx(128 / 135 * math.sqrt(3) / 16)
     assert local.peak_jerk_per_v3 == pytest.approx(512 / 225 / 64)
+
+
+# Ramps known by hand, in degrees, rest position 180: the examples of the source text and their mirror images.
+# law, phasing, whether it is a start, master at the ramp's beginning and end, slave where the master is at 180
+RAMP_RESULTS = [
+    (PARABOLA, 90.0, True, 90.0, 270.0, 202.5),
+    (PARABOLA, 90.0, False, 90.0, 270.0, 157.5),
+    (PARABOLA, 180.0, True, 0.0, 360.0, 225.0),
+    (PARABOLA, 180.0, False, 0.0, 360.0, 135.0),
+    (POLYNOMIAL, 90.0, True, 101.25, 270.0, 195.6103111),
+    (POLYNOMIAL, 90.0, False, 90.0, 258.75, 164.3896889),
+    (PARABOLA, -90.0, True, 270.0, 90.0, 157.5),
+    (PARABOLA, -90.0, False, 270.0, 90.0, 202.5),
+    (POLYNOMIAL, -90.0, True, 258.75, 90.0, 164.3896889),
+    (POLYNOMIAL, -90.0, False, 270.0, 101.25, 195.6103111),
+]
 
 
 @pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), RAMP_RESULTS)

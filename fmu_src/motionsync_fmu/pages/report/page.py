@@ -75,7 +75,7 @@ def write_report(
         starts=_with_units(scenario, scenario.start),
         limits=limit_rows(scenario.recipe.variables, scenario.start, scenario.unit, scenario.slave_unit),
         origin=_origin(scenario, recording, fmu, results),
-        tool=_tool(scenario),
+        tool=figures.production.tool if figures.production else "saw" if scenario.cuts else "slave",
         axis_units=motion_units(scenario.unit),
         axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
@@ -96,12 +96,6 @@ def _origin(scenario: Scenario, recording: Recording, fmu: Path | None, results:
         rows["outputs"] = Markup('<a href="{0}">{0}</a>, {1}').format(results.name, digits)
     in_process = f"none: the block {scenario.recipe.name} ran in this process"
     return origin_rows({"FMU": describe_fmu(fmu) if fmu else in_process}, rows)
-
-
-def _tool(scenario: Scenario) -> str:
-    """What the slave is to a reader: the tool that cuts, or nothing but the slave."""
-    names = scenario.recipe.piece_variables
-    return names.tool if names else "saw" if scenario.cuts else "slave"
 
 
 def _measured(piece: Piece, production: Production) -> str:

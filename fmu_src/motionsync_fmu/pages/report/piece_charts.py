@@ -118,7 +118,7 @@ def chart_pieces(
     names = scenario.recipe.piece_variables
     assert names
     chart = Chart(
-        f"Pieces passing the {names.tool}, velocity of the line, length errors and time to spare",
+        f"Pieces passing the {production.tool}, velocity of the line, length errors and time to spare",
         [310, 190, 130, 120],
         "time in s",
         (0.0, scenario.stop_time),
@@ -172,9 +172,9 @@ def _draw_material(
     travel = recording.master[:, 0]
     material = _Window(1, 1.0, low, high)
     if unit == production.unit:
-        chart.write_title(1, with_unit(f"{names.tool} and material", unit))
+        chart.write_title(1, with_unit(f"{production.tool} and material", unit))
     else:
-        chart.write_title(1, with_unit(names.tool, unit))
+        chart.write_title(1, with_unit(production.tool, unit))
         right = chart.add_right_axis(1, with_unit("material", production.unit), MASTER, behind=True)
         chart.axis(right)["range"] = [low / factor, high / factor]
         material = _Window(right, 1.0 / factor, low, high)
@@ -186,7 +186,7 @@ def _draw_material(
         _draw_numbers(chart, recording.time, travel, factor, production.pieces, high - 0.06 * height)
     gaps = jumps(recording.time, saw, recording.values["slave.velocity"])
     style = Style(SLAVE, 2.2)
-    chart.draw_curve(1, names.tool, recording.time, saw, style, unit=unit, required=required, gaps=gaps)
+    chart.draw_curve(1, production.tool, recording.time, saw, style, unit=unit, required=required, gaps=gaps)
     if (cutting := recording.values[names.cutting] != 0.0).any():
         _draw_cutting(chart, recording.time, saw, cutting, gaps)
     chart.axis(1)["range"] = [low, high]
@@ -401,7 +401,7 @@ def _draw_reserve(
     y = rounded(100.0 * p.reserve for p in production.pieces)
     line = {"type": "scatter", "mode": "lines", "line": {"color": OK, "width": 3}, "hoverinfo": "skip"}
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
-    turns = names.tool == "knife"  # it is at rest before long pieces alone
+    turns = production.turns  # it is at rest before long pieces alone
     chart.add_trace(4, "at rest before each piece" if turns else "to spare at each piece", line | stems)
     labels = [f"{engineering(100.0 * p.reserve, digits=3)} %, piece {p.number}" for p in production.pieces]
     colours = [BAD if p.product and p.reserve <= 0.0 and not turns else OK for p in production.pieces]

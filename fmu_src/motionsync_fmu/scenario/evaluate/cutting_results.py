@@ -46,4 +46,4 @@ class CuttingResults:
     @cached_property
     def true_pieces(self) -> TruePieces | None:
         """The pieces as a tape measure finds them; None: nothing is cut, or the block knows the true places."""
-        return find_true_pieces(self.scenario, self.recording, self)
+        return find_true_pieces(self.scenario, self.recording, self.production, self.cuts)

@@ -108,7 +108,7 @@ def coupling_factor(scenario: Scenario, recording: Recording) -> float:
 
 def tool_travel(names: PieceVariables, recording: Recording, slave: Reals) -> Reals:
     """How far the tool is beyond the place where it cuts, along the material and in the slave's unit."""
-    if not names.cut_spacing:
+    if not names.turns:
         return slave
     spacing, radius = recording.values[names.cut_spacing], recording.values[names.edge_radius]
     travel = slave - spacing * np.round(slave / spacing)

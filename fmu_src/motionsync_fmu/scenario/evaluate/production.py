@@ -8,7 +8,6 @@ import numpy as np
 
 from motionsync.var import Unit
 
-from ...interface.roles import KNIFE
 from ...interface.units import unit_name
 from ..engineering import ROUNDING, engineering, line_speed
 from ..recording import Recording, greatest_position
@@ -62,7 +61,7 @@ class Production:
         tolerance: how far a length may be off, in u: that of the scenario, or else the block's own.
         unit: the unit of lengths.
         scale: the greatest magnitude of the positions of material and slave, in u: errors are compared with it.
-        tool: what cuts: "saw" or "knife".
+        turns: whether what cuts turns from cut to cut, without a pause.
     """
 
     pieces: tuple[Piece, ...]
@@ -73,7 +72,12 @@ class Production:
     tolerance: float
     unit: str
     scale: float
-    tool: str
+    turns: bool
+
+    @property
+    def tool(self) -> str:
+        """What cuts."""
+        return "knife" if self.turns else "saw"
 
     @property
     def products(self) -> list[Piece]:
@@ -173,7 +177,7 @@ class Production:
         the line was below its limit: `the line at least 7.9 % below its limit`. Empty without a piece."""
         if not self.tightest:
             return ""
-        if self.tool != KNIFE:
+        if not self.turns:
             return f"at least {100.0 * self.tightest.reserve:.3g} % (piece {self.tightest.number}) of a cycle"
         margin = 1.0 - self.line.velocity / self.line.limit if self.line and self.line.limit > 0.0 else -math.inf
         how = f"at least {100.0 * margin:.3g} % below" if margin >= 0.0 else f"up to {-100.0 * margin:.3g} % above"
@@ -207,7 +211,7 @@ def evaluate_production(scenario: Scenario, recording: Recording) -> Production 
         spec.tolerance if spec else float(time_series(scenario, recording, names.tolerance)[0]),
         unit_name(Unit.POSITION, scenario.unit),
         greatest_position(recording),
-        names.tool,
+        names.turns,
     )
 
 

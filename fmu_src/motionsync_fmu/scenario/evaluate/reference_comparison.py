@@ -1,8 +1,10 @@
-"""Compares a run with the reference next to the scenario's file."""
+"""Compares a run with the reference of its scenario."""
 
 import csv
 import math
 import os
+import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,8 @@ from ...errors import UserError
 from ..engineering import engineering
 from ..recording import Recording, nearest_turn
 from ..scenario import Scenario
+
+ARCHIVE = "references.zip"  # the references of all scenarios in the folders beside it, as <folder>/<file>
 
 
 @dataclass(frozen=True)
@@ -49,29 +53,49 @@ class Deviation:
 
 
 def reference_file(scenario: Scenario) -> Path:
-    """The reference next to a scenario's file; a scenario of the user's own may have none."""
+    """The file next to a scenario's that is its reference, if there is one; a reference in ARCHIVE has its name."""
     return scenario.file.with_name(f"{scenario.recipe.name}_ref.csv")
+
+
+def find_reference(scenario: Scenario) -> Path | zipfile.Path | None:
+    """The reference next to a scenario's file, else that in ARCHIVE in the folder above; None without one.
+
+    Raises:
+        UserError: the archive cannot be read.
+    """
+    file = reference_file(scenario)
+    if os.path.lexists(file):
+        return file
+    folder = file.parent.resolve()
+    archive = folder.parent / ARCHIVE
+    if not archive.is_file():
+        return None
+    try:
+        member = zipfile.Path(archive, f"{folder.name}/{file.name}")
+    except (OSError, zipfile.BadZipFile) as error:
+        raise UserError(f"{archive}: {error}") from None
+    return member if member.exists() else None
 
 
 def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]]] | None:
     """Names and rows, of shape (points, 1 + names), of the scenario's reference; None without one.
 
     Raises:
-        UserError: a reference that cannot be read or names an unknown variable.
+        UserError: a reference that cannot be read.
     """
-    file = reference_file(scenario)
-    if not os.path.lexists(file):
+    place = find_reference(scenario)
+    if place is None:
         return None
     try:
-        if not file.is_file():  # a link to nothing, a pipe
+        if not place.is_file():  # a link to nothing, a pipe
             raise OSError("it is no file")
-        with file.open(newline="") as lines:
+        with place.open(encoding="utf-8", newline="") as lines:
             header, *rows = list(csv.reader(lines))
         table = np.array(rows, float)
         if why := _find_mistake(header, table):
             raise ValueError(why)
-    except (OSError, ValueError, csv.Error) as error:
-        raise UserError(f"{file}: not a reference: {error}") from None
+    except (OSError, ValueError, csv.Error, zipfile.BadZipFile, zlib.error) as error:
+        raise UserError(f"{place}: not a reference: {error}") from None
     return header[1:], table
 
 

@@ -6,7 +6,6 @@ A place is a position on the material: what passed position 0 of the tool's axis
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,11 +16,10 @@ from ..computed_columns import ACTUAL_POSITION
 from ..engineering import ROUNDING, engineering
 from ..recording import Reals, Recording, greatest_position
 from ..scenario import Scenario
+from .cuts import Cut
 from .find_pieces import coupling_factor, tool_travel
+from .production import Production
 from .time_series import in_nearest_turn, slave_positions, time_series, true_stretches
-
-if TYPE_CHECKING:
-    from .cutting_results import CuttingResults
 
 UNSEEN = "unknown: each cut is over before the next communication point"
 
@@ -166,17 +164,17 @@ def allowed_movement(scenario: Scenario, tolerance: float) -> float:
     return tolerance if spec is None or spec.movement is None else spec.movement
 
 
-def find_true_pieces(scenario: Scenario, recording: Recording, results: "CuttingResults") -> TruePieces | None:
+def find_true_pieces(
+    scenario: Scenario, recording: Recording, production: Production | None, marked: Sequence[Cut]
+) -> TruePieces | None:
     """The true pieces of a run; None where nothing is cut, or where the block knows the true places.
 
-    `results`: the cuts or pieces of the run, as the block sees them."""
+    As the block sees them: `production`: what was made, if it reports its pieces; `marked`: else the cuts at marks."""
     if not scenario.has_true_places or not cutting_flag(scenario):
         return None
     cuts = find_true_cuts(scenario, recording)
-    pieces = tuple(_reported(scenario, recording, cuts, results) if results.production else _marked(cuts, results))
-    tolerance = (
-        results.production.tolerance if results.production else scenario.cuts.tolerance if scenario.cuts else 0.0
-    )
+    pieces = tuple(_reported(scenario, recording, cuts, production) if production else _marked(cuts, marked))
+    tolerance = production.tolerance if production else scenario.cuts.tolerance if scenario.cuts else 0.0
     scale = greatest_position(recording)
     return TruePieces(
         pieces,
@@ -242,17 +240,14 @@ def _ratio(scenario: Scenario, recording: Recording) -> float:
     return coupling_factor(scenario, recording) / float(first * second)
 
 
-def _reported(
-    scenario: Scenario, recording: Recording, cuts: TrueCuts, results: "CuttingResults"
-) -> Iterator[TruePiece]:
+def _reported(scenario: Scenario, recording: Recording, cuts: TrueCuts, production: Production) -> Iterator[TruePiece]:
     """The products of a block that reports its pieces, between two cuts that follow one another."""
     names = scenario.recipe.piece_variables
-    if not names or not results.production:
-        return
+    assert names
     kerfs = time_series(scenario, recording, names.kerf)
     number_at = {time: i for i, time in enumerate(cuts.begin.tolist())}
     before = None
-    for piece in results.production.pieces:
+    for piece in production.pieces:
         cut = number_at.get(piece.cut[0]) if piece.cut else None
         if piece.product and piece.measured is not None and cut is not None and cut - 1 == before:
             kerf = kerfs[np.searchsorted(recording.time, piece.reported_at)]
@@ -261,9 +256,9 @@ def _reported(
         before = cut
 
 
-def _marked(cuts: TrueCuts, results: "CuttingResults") -> Iterator[TruePiece]:
+def _marked(cuts: TrueCuts, marked: Sequence[Cut]) -> Iterator[TruePiece]:
     """The pieces of a saw that cuts at marks: they should be as long as the marks are apart."""
-    marks = np.diff([cut.mark for cut in results.cuts[: len(cuts.place)]])
+    marks = np.diff([cut.mark for cut in marked[: len(cuts.place)]])
     pieces = zip(cuts.begin[1:].tolist(), np.diff(cuts.place).tolist(), marks.tolist(), strict=True)
     for number, (at, length, ordered) in enumerate(pieces, 1):
         if ordered:

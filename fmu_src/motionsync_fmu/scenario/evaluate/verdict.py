@@ -285,7 +285,7 @@ FAILURES = (
     ),
     Failure("The setpoint exceeds a limit of its axis.", lambda e: check_limits(e.scenario, e.peaks, e.exceeded)),
     Failure("The block raises an alarm, or refuses a command.", lambda e: check_alarms(e.scenario, e.alarms)),
-    Failure("The run differs from the reference beside the scenario's file.", lambda e: e.reference),
+    Failure("The run differs from the scenario's reference.", lambda e: e.reference),
 )
 NOTES = (
     Note("Orders are left at the end of the run.", _orders),

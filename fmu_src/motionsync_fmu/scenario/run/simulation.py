@@ -154,7 +154,7 @@ class _Recorder:
         self.times.append(time)
 
     def recording(self, messages: list[str]) -> Recording:
-        time = np.frombuffer(self.times)
+        time, scenario = np.frombuffer(self.times), self._scenario
         values = dict(zip(self.names, np.frombuffer(self._values).reshape(len(time), -1).T, strict=True))
         return Recording(
             time,
@@ -164,7 +164,7 @@ class _Recorder:
             self.program.settings,
             self.program.unmet,
             self.program.master,
-            compute_columns(self._scenario, time, values),
+            compute_columns(scenario.servo, scenario.load, scenario.slave_period, time, values),
         )
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from ...about import __version__
 from ...pages.report.origin import current_time, describe_platform
 from ...pages.style import with_unit
+from ...scenario.variation.values import is_seed
 from ..conditions import RowCondition
-from ..factors import is_seed
 from ..sweep_plan import SweepPlan
 from .cells import Axis
 from .charts import NO_VALUE, OTHER, TEXTS

@@ -1,0 +1,18 @@
+"""Random runs of each block, whatever their inputs: all numbers are finite, and what a block shows belongs together."""
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from motionsync.blocks import BLOCKS
+from tests.support.finite import run_finite
+from tests.support.random_runs import load_strategy
+
+
+@settings(derandomize=True, deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_all_numbers_are_finite_and_belong_together(block: str, data: st.DataObject) -> None:
+    strategy = load_strategy(block)
+    for it in run_finite(BLOCKS[block](), data.draw(strategy.runs(300)), strategy.requests):
+        assert it.state_code == it.state
+        assert it.error == (it.error_id != 0)
+        strategy.check(it)
