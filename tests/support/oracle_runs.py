@@ -13,6 +13,8 @@ from tests.oracle import mp
 from tests.oracle.master import Stretch, stretches
 from tests.support.harness import Row
 
+CLOSE = 1e-10
+"""Time (s) by which the end of a segment may be rounded."""
 Script = dict[str, Any]
 Reference = Callable[[Mapping[str, Any], Sequence[float]], list[Row]]
 """What an oracle answers: its rows at some times; two of one time where something jumps."""
@@ -29,8 +31,7 @@ class Feed:
 
     def stretch(self, time: float, *, after: bool) -> Stretch:
         """The stretch at `time`; where two meet the one after or before."""
-        index = bisect_right(self.begin_times, time) - 1
-        return self.stretches[index if after or self.begin_times[index] < time else index - 1]
+        return self.stretches[bisect_right(self.begin_times, time + (CLOSE if after else -CLOSE)) - 1]
 
     def inputs(self, time: float, *, after: bool) -> Row:
         """The master's inputs for that time."""

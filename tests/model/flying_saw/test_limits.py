@@ -15,9 +15,7 @@ from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
-from tests.model.flying_saw.scripted import along
 from tests.model.flying_saw.strategies import STRATEGY
-from tests.oracle.flying_saw import reference
 from tests.support.runs import BlockRun
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
@@ -288,71 +286,3 @@ def test_whatever_is_output_beyond_a_limit_is_reported(run: BlockRun, seed: int)
         assert stepper["limit_exceeded"] == (stepper["local.exceeded_limit"] != 0)
         if breaks(stepper, 3e-6):
             assert stepper["limit_exceeded"]
-
-
-GROUPS = ("gear_in_pos", "gear_in_velo", "move_absolute", "move_velocity", "halt", "gear_out")
-
-
-def random_script(r: Random) -> dict[str, Any]:
-    """Commands to a slave whose axis has limits near to what they ask for; the master changes its velocity."""
-    speed = r.choice((-1.0, 1.0)) * r.uniform(50.0, 500.0)
-    start: dict[str, Any] = {
-        "axis.initial_velocity": r.choice((0.0, 0.5 * speed, r.uniform(-1.0, 2.0) * speed)),
-        "axis.max_velocity": abs(speed) * r.uniform(0.8, 3.0),
-        "axis.max_acceleration": abs(speed) * r.uniform(1.0, 20.0),
-        "axis.max_deceleration": abs(speed) * r.choice((0.0, r.uniform(1.0, 20.0))),
-        "axis.max_jerk": abs(speed) * 10.0 ** r.uniform(1.0, 3.0),
-        "axis.min_position": -abs(speed) * r.uniform(0.1, 3.0),
-        "axis.max_position": abs(speed) * r.uniform(0.1, 3.0),
-        "sync_mode.rollback_lock": r.random() < 0.5,
-        "sync_mode.instant_stop_on_rollback": r.random() < 0.3,
-        "sync_mode.prefer_constant_velocity": r.random() < 0.2,
-        "sync_mode.check_undershoot_velocity": r.random() < 0.2,
-        "sync_mode.check_max_jerk": r.random() < 0.2,
-    }
-    limits = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_deceleration")
-    start |= {f"sync_mode.check_{name}": r.random() < 0.3 for name in limits}
-    segments = [{"duration": r.uniform(0.3, 1.0), "acceleration": speed * r.choice((0.0, 0.5, -2.0))} for _ in range(8)]
-    sets: list[dict[str, Any]] = []
-    for at in sorted(r.uniform(0.05, 4.0) for _ in range(3)):
-        group = r.choice(GROUPS)
-        sets.append({"at": at, **_order(r, group, speed, at), f"{group}.execute": True})
-        sets.append({"at": at + 0.03, f"{group}.execute": False})
-    master = {"velocity": speed, "segments": segments}
-    return {"stop_time": 5.0, "step_size": 0.5, "start": start, "master": master, "set": sets}
-
-
-def _order(r: Random, group: str, speed: float, at: float) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    if group == "gear_in_pos":
-        values["master_sync_position"] = speed * (at + r.uniform(0.2, 2.0))
-        values["slave_sync_position"] = speed * r.uniform(-0.5, 2.0)
-    if group.startswith("gear_in"):
-        values["ratio_numerator"] = r.choice((1.0, 1.0, 0.5, -1.5))
-    if group == "move_absolute":
-        values["position"] = speed * r.uniform(-1.0, 1.0)
-    if group == "move_velocity":
-        values["velocity"] = speed * r.uniform(-0.8, 0.8)
-    if group in ("gear_in_velo", "gear_in_pos", "move_absolute", "move_velocity"):
-        values["acceleration"] = abs(speed) * r.choice((0.0, 0.0, r.uniform(1.0, 30.0)))
-        values["deceleration"] = abs(speed) * r.choice((0.0, 0.0, r.uniform(1.0, 30.0)))
-    return {f"{group}.{name}": value for name, value in values.items()}
-
-
-@pytest.mark.slow
-def test_in_random_runs_the_same_is_reported_as_by_the_oracle() -> None:
-    """At every time, with steps of 20 ms and of up to 0.5 s. Together the runs exceed every limit; a stop at once has
-    scenarios of its own."""
-    met: set[int] = set()
-    for seed in range(30):
-        script = random_script(Random(seed))
-        times = [0.02 * i for i in range(1, 251)]
-        reported_by_oracle: dict[float, set[int]] = {}
-        for row in reference(script, times):
-            reported_by_oracle.setdefault(row["time"], set()).add(int(row["local.exceeded_limit"]))
-        for step in (1, 25):
-            for time, row in along(script, times[step - 1 :: step], ("local.exceeded_limit",)).items():
-                limit = int(row["local.exceeded_limit"])
-                assert limit in reported_by_oracle[time], (seed, step, time)
-                met.add(limit)
-    assert met >= set(Limit) - {Limit.INSTANT_STOP}

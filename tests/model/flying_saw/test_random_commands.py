@@ -11,8 +11,11 @@ from hypothesis import strategies as st
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import GROUPS, OUTPUTS, FlyingSawHarness
-from tests.model.flying_saw.random_meetings import END, START, repeatable, rngs
 from tests.support.numbers import numbers_in
+
+START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
+repeatable = settings(derandomize=True, deadline=None)
+rngs = st.integers(0, 2**32 - 1).map(Random)
 
 RESULT = {"gear_in_velo": "in_sync", "gear_in_pos": "in_sync", "move_velocity": "in_velocity"}
 MODES = [name.removeprefix("sync_mode.") for name in FlyingSawHarness().stepper.cells if name.startswith("sync_mode.")]

@@ -129,6 +129,12 @@ def watch(block: RemoteSync) -> set[Any]:
     }
 
 
+def check(block: RemoteSync) -> None:
+    assert block.start_up + block.synced + block.error + (not block.enable) == 1
+    expected = Mode.SYNC if block.synced else block.fall_back_mode if block.error else block.start_up_mode
+    assert block.state == (expected if block.enable else Mode.BYPASS)
+
+
 STRATEGY = Strategy(
     runs,
     watch,
@@ -142,4 +148,5 @@ STRATEGY = Strategy(
             *(("blending", mode, True) for mode in Mode),
         }
     ),
+    check,
 )

@@ -46,8 +46,6 @@ class ExpressionWriter:
     def __init__(self, context: Context, function: CheckedFunction) -> None:
         self.context, self.function = context, function
         self.package, self.names = context.package, context.names
-        self.checks = context.raising.checks[function]
-        self.checked: dict[ast.expr, str] = {}  # the texts of indices, or parts of them, that have been checked
 
     def kind(self, node: ast.expr) -> Kind:
         return self.function.kinds[node]
@@ -93,8 +91,6 @@ class ExpressionWriter:
 
     def expression(self, node: ast.expr) -> Code:
         match node:
-            case _ if node in self.checked:
-                result = Code(self.checked[node])
             case ast.Call():
                 result = self.own_call(node) or self.library_call(node)
             case ast.Name() | ast.Attribute():
@@ -128,14 +124,10 @@ class ExpressionWriter:
         return Code(f"{sign}({text})" if text.startswith(sign) else f"{sign}{text}", UNARY)
 
     def index(self, node: ast.Subscript, index: ast.expr) -> str:
-        """An element's index, checked unless that is not needed or was done before."""
-        if self.context.raising.may_raise(self.function, node):
-            part, length = self.checks.indices[node]
-            if part not in self.checked:
-                self.checked[part] = self.in_range(part, length)
-        return self.code(index)
-
-    def in_range(self, index: ast.expr, length: int) -> str:
+        """An element's index, checked unless that is not needed."""
+        if not self.context.raising.may_raise(self.function, node):
+            return self.code(index)
+        length = self.context.effects.list_length(self.function, node.value)
         return self.helper("index_in", self.code(index, 0, "int"), str(length)).text
 
     # --- names ---
