@@ -72,7 +72,7 @@ def test_tuned_values_that_contradict_one_another_are_named_and_a_start_refused(
     values: dict[str, Any], named: str
 ) -> None:
     saw = idle_machine().set(values).give("start").now()
-    codes = next(v.declaration.codes for v in variables(saw.stepper.block) if v.name == "local.refused_parameter")
+    codes = next(v.declaration.codes for v in variables(CutToLength()) if v.name == "local.refused_parameter")
     assert codes is not None
     assert [code.description.split()[0] for code in codes if code == saw["local.refused_parameter"]] == [named]
     assert saw["local.refused_parameter"] > 1000
