@@ -270,7 +270,7 @@ def test_the_parts_of_its_cycle() -> None:
             ("approach", 2.0 * distance / v, 3),
             ("settling, cut, gap, blade out", 0.25, 3),
             ("way from home S", away, 1),
-            ("way home", return_time(v, away, 1e4, 1e4, 1e5, 2000.0), 3),
+            ("way home", return_time(machine, v, away, 1e4), 3),
             ("cycle T", cycle, 3),
             ("shortest pitch", v * cycle, 1),
             ("stroke", stroke(machine, v), 1),

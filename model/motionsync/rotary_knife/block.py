@@ -24,6 +24,7 @@ from ..cutting.piece import UNLIMITED
 from ..cutting.pieces import can_change_pieces, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
+from ..master_path import MOST_EVENTS
 from ..motion.axis_limits import AxisLimits
 from ..motion.exceeded_limit import ExceededLimit
 from ..motion.laws import chain_rule
@@ -44,7 +45,6 @@ from .settings import KnifeSettings, describe_knife
 from .velocity import PUNCTUAL, keeps_limits
 from .window import Cut, Window
 
-MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
 
 
@@ -92,8 +92,6 @@ class RotaryKnife(RotaryKnifeInterface):
     is_change_pending: bool = False
     is_cut_refused: bool = False  # a cut_now could not move the next cut forward
 
-    now: float = 0.0  # up to which all events are carried out, since the step's beginning
-    place: float = 0.0  # where the master is then
     block_clock: Clock = var.part(Clock)
 
     def initialize(self) -> Refusal:
@@ -183,8 +181,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
-        self.now = 0.0
-        self.place = self.master.begin
+        self.master.path.leave()
         self.check_settings()
         self.obey_machine()
         self.obey_pieces()
@@ -216,7 +213,7 @@ class RotaryKnife(RotaryKnifeInterface):
         """Fix the first piece, and wait for its cut."""
         self.running = True
         self.is_piece_late = False
-        self.rest_time.start(self.now)
+        self.rest_time.start(self.master.path.now)
         is_sample_pending = self.material.is_sample_pending
         settings = self.material.settings
         self.material.start(self.start_mode, self.master.begin, settings.start.front_position / settings.factor)
@@ -236,7 +233,7 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         operation.is_cut_pending = False
         if is_turning:
-            self.leave_curve()
+            self.departure.leave_curve(self.cycle, self.master)
             if self.hold or not self.cycle.can_append(2) or not self.try_earlier_cut():
                 self.is_cut_refused = True
 
@@ -339,7 +336,7 @@ class RotaryKnife(RotaryKnifeInterface):
         is_on_curve = stage in (Stage.ENGAGING, Stage.TURNING, Stage.DISENGAGING)
         if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(2):
             return False
-        self.leave_curve()
+        self.departure.leave_curve(self.cycle, self.master)
         return True
 
     def change_piece(self) -> None:
@@ -360,38 +357,37 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def travel(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
-        path = self.master.path
-        self.now = 0.0 if section == 0 else path.times[section]
-        self.place = path.positions[section]
+        self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(section):
+            if not self.try_event():
                 break
 
-    def try_event(self, section: int) -> bool:
-        """Carry out the next event on a section of the path; False: there is none."""
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.cycle.stage:
             case Stage.RESTING:
                 return False
             case Stage.PARKING:
-                return self.try_event_parking(section)
+                return self.try_event_parking()
             case _:
-                return self.try_event_on_cycle(section)
+                return self.try_event_on_cycle()
 
-    def try_event_parking(self, section: int) -> bool:
+    def try_event_parking(self) -> bool:
         """The knife arrives at park."""
-        until = 0.0 if section == 0 else self.master.path.times[section + 1]
+        path = self.master.path
         motion = self.parking.motion
-        time = due_instant(motion.clock, motion.end_time(), self.now, until)
+        time = due_instant(motion.clock, motion.end_time(), path.now, path.until)
         if time == NEVER:
             return False
-        self.now = time
+        path.now = time
         self.arrive()
         return True
 
-    def try_event_on_cycle(self, section: int) -> bool:
+    def try_event_on_cycle(self) -> bool:
         """The knife comes to another section of its cycle, or what its present stage waits for happens."""
-        begin = self.master.path.positions[section]
-        end = self.master.path.positions[section + 1]
+        path = self.master.path
+        begin = path.positions[path.section]
+        end = path.end
         cycle = self.cycle
         if end < begin:
             # On a measured line noise must not end a ramp that has hardly begun: before it the knife rests as well.
@@ -399,59 +395,55 @@ class RotaryKnife(RotaryKnifeInterface):
             if cycle.stage == Stage.ENGAGING:
                 begin_of_stage -= min(self.master.uncertain_travel(), cycle.rest_before())
             if cycle.present > 0 and end < begin_of_stage:
-                self.move_to(section, begin_of_stage)
+                path.go_to(begin_of_stage)
                 self.enter_section(cycle.present - 1)
                 return True
         elif end > begin and not cycle.is_last():
             if end >= cycle.next_begin:
-                self.move_to(section, cycle.next_begin)
+                path.go_to(cycle.next_begin)
                 self.enter_section(cycle.present + 1)
                 return True
             return False
         elif end > begin and cycle.stage == Stage.SYNCHRONOUS:
-            return self.try_event_synchronous(section, end)
-        return cycle.stage == Stage.WAITING and self.try_event_waiting(section, begin, end)
+            return self.try_event_synchronous()
+        return cycle.stage == Stage.WAITING and self.try_event_waiting()
 
-    def move_to(self, section: int, place: float) -> None:
-        """All events are carried out up to a place on a section of the path, or beyond it already."""
-        time = self.master.path.crossing_time(section, place)
-        self.now = max(self.now, time)
-        rising = self.master.path.positions[section + 1] > self.master.path.positions[section]
-        self.place = max(self.place, place) if rising else min(self.place, place)
-
-    def try_event_synchronous(self, section: int, end: float) -> bool:
+    def try_event_synchronous(self) -> bool:
         """In the latest window: the cut, or the window's end."""
         place = self.planned_cut.end() if self.is_cut_made else self.planned_cut.place
-        if end < place:
+        if self.master.path.end < place:
             return False
-        self.move_to(section, place)
+        self.master.path.go_to(place)
         if self.is_cut_made:
             self.leave_window()
         else:
             self.make_cut()
         return True
 
-    def try_event_waiting(self, section: int, begin: float, end: float) -> bool:
+    def try_event_waiting(self) -> bool:
         """The machine rests for good, or a ramp up begins."""
         if self.operation.is_stopping:
             self.enter_resting()
             return True
-        if self.hold or self.is_blocked or end < begin or (section == 0 and end == begin):
+        path = self.master.path
+        travel = path.end - path.positions[path.section]
+        if self.hold or self.is_blocked or travel < 0.0 or (path.is_correction() and travel == 0.0):
             return False
         if self.operation.is_cut_pending:
-            return self.try_requested_cut(section)
-        return end > begin and self.material.piece.is_fixed and self.try_ramp(section, end)
+            return self.try_requested_cut()
+        return travel > 0.0 and self.material.piece.is_fixed and self.try_ramp()
 
-    def try_ramp(self, section: int, end: float) -> bool:
+    def try_ramp(self) -> bool:
         """The ramp up to the next cut begins, if the section of the path leads there."""
         piece = self.material.piece
+        path = self.master.path
         begin = piece.end + self.ramp_begin
-        if end < begin:
+        if path.end < begin:
             return False
-        self.move_to(section, begin)
+        path.go_to(begin)
         if piece.waits_for_line() and not (
-            self.try_wait_for_line(section, self.ramp_velocity)
-            and self.can_ramp_to(max(piece.end, self.place - self.ramp_begin))
+            self.try_wait_for_line(self.ramp_velocity)
+            and self.can_ramp_to(max(piece.end, path.reached - self.ramp_begin))
         ):
             return False
         self.begin_ramp()
@@ -459,36 +451,36 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def can_ramp_to(self, cut: float) -> bool:
         """Whether a ramp up to the window of a cut would have a length from here on, where positions are rounded."""
-        return cut - self.piece_window.before - self.place > SHORTEST_WAY
+        return cut - self.piece_window.before - self.master.path.reached > SHORTEST_WAY
 
-    def try_requested_cut(self, section: int) -> bool:
+    def try_requested_cut(self) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""
         is_fixed = self.material.piece.is_fixed
         limit = self.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
-        if not self.try_wait_for_line(section, limit):
+        if not self.try_wait_for_line(limit):
             return False
         if not is_fixed:
             self.take_window()
-        cut = self.place - self.ramp_begin
+        cut = self.master.path.reached - self.ramp_begin
         if self.operation.try_take_cut(self.material, cut, self.can_ramp_to(cut)):
             self.enter_engaging()
         return True
 
-    def try_wait_for_line(self, section: int, limit: float) -> bool:
-        """Go to the first instant on a section of the path at which the line is no faster than the limit of a ramp,
-        u/s; False: there is none."""
+    def try_wait_for_line(self, limit: float) -> bool:
+        """Go to the first instant on what is left of the section at which the line is no faster than the limit of a
+        ramp, u/s; False: there is none."""
         master = self.master
-        until = 0.0 if section == 0 else master.path.times[section + 1]
+        path = master.path
         greatest = limit * PUNCTUAL
-        velocity = master.velocity_at(self.now)
+        velocity = master.present_velocity()
         if velocity <= greatest:
             return True
-        last = master.velocity_at(until)
+        last = master.velocity_at(path.until)
         if last > greatest:
             return False
-        time = self.now + (until - self.now) * ((velocity - greatest) / (velocity - last))
-        self.now = max(self.now, min(time, until))
-        self.place = max(self.place, min(master.path.position(self.now), master.path.positions[section + 1]))
+        time = path.now + (path.until - path.now) * ((velocity - greatest) / (velocity - last))
+        path.now = max(path.now, min(time, path.until))
+        path.reached = max(path.reached, min(path.position(path.now), path.end))
         return True
 
     # --- sections of the cycle ---
@@ -496,11 +488,11 @@ class RotaryKnife(RotaryKnifeInterface):
     def enter_section(self, index: int) -> None:
         """The knife comes to the next section of its cycle, or back to the one before."""
         is_forward = index > self.cycle.present
-        self.rest_time.leave(self.now)
+        self.rest_time.leave(self.master.path.now)
         self.cycle.enter(index)
         if self.cycle.stage != Stage.WAITING:
             return
-        self.rest_time.rest(self.now)
+        self.rest_time.rest(self.master.path.now)
         self.master.watch_travel()
         if self.operation.is_stopping:
             self.enter_resting()
@@ -513,14 +505,14 @@ class RotaryKnife(RotaryKnifeInterface):
         before = self.piece_window.before
         begin = piece.end + self.ramp_begin
         travel = -(before + self.ramp_begin)
-        earliest = self.place - self.ramp_begin
+        earliest = self.master.path.reached - self.ramp_begin
         if not self.material.settings.has_cycle(self):
             self.is_blocked = True
             self.operation.pieces.fault = PieceFault.TUNABLE
             return
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         is_slow = velocity <= self.ramp_velocity * PUNCTUAL
-        is_in_time = self.place <= begin + LATE * travel and self.can_ramp_to(piece.end)
+        is_in_time = self.master.path.reached <= begin + LATE * travel and self.can_ramp_to(piece.end)
         if is_slow and is_in_time and piece.leaves_length(piece.end):
             self.enter_engaging()
         elif piece.waits_for_line():
@@ -532,7 +524,7 @@ class RotaryKnife(RotaryKnifeInterface):
         elif self.material.settings.cycle.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
-            missing = max(self.place - begin, 0.0) if is_slow else 0.0
+            missing = max(self.master.path.reached - begin, 0.0) if is_slow else 0.0
             self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE, missing)
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
@@ -547,7 +539,7 @@ class RotaryKnife(RotaryKnifeInterface):
         knife = self.knife_data
         self.cycle.forget_old_sections(2, knife)
         self.departure.aim(self.piece_window, self.material.piece.end)
-        self.departure.way.plan_ramp_up(knife, self.place, self.departure.cut)
+        self.departure.way.plan_ramp_up(knife, self.master.path.reached, self.departure.cut)
         self.cycle.append_section(RAMP_UP, self.departure.way.ramp_up, self.cycle.blade)
         self.plan_window()
         var.copy(self.cycle_peaks, self.departure.way.peaks)
@@ -610,10 +602,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_cut_refused = False
         var.copy(self.last_window, self.planned_cut.window)
         self.has_last_window = True
-        reserve = self.rest_time.share(self.now, self.is_piece_late)
-        time = self.block_clock.time + self.now
+        reserve = self.rest_time.share(self.master.path.now, self.is_piece_late)
+        time = self.block_clock.time + self.master.path.now
         record_piece(self, self.material, self.records, self.planned_cut.place, time, reserve)
-        self.rest_time.cut(self.now)
+        self.rest_time.cut(self.master.path.now)
         self.predictions.is_cycle_current = False
         self.fix_piece()
 
@@ -622,7 +614,7 @@ class RotaryKnife(RotaryKnifeInterface):
         departure = self.departure
         operation = self.operation
         piece = self.material.piece
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         departure.leave_window(self.planned_cut, self.knife_data.spacing, velocity)
         has_to_rest = operation.is_stopping or self.hold
         if not has_to_rest:
@@ -678,12 +670,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def show_skipped_cut(self, reason: SkipReason, missing_distance: float) -> None:
         """Show that the next cut is skipped, and why."""
-        show_skipped_cut(self.local, reason, self.master, self.material.piece.end, self.now, missing_distance)
-
-    def leave_curve(self) -> None:
-        """The knife may leave the curve on which it is."""
-        position, d1, d2, d3 = self.cycle.at(self.place)
-        self.departure.leave_curve(self.place, position, d1, d2, d3, self.master.velocity_at(self.now))
+        show_skipped_cut(self.local, reason, self.master, self.material.piece.end, missing_distance)
 
     def try_earlier_cut(self) -> bool:
         """A cut_now where the knife turns: the cut is made as early as it can be, if that is before it is due."""
@@ -735,12 +722,8 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def enter_parking(self) -> None:
         """From the cycle to park."""
-        position, d1, d2, d3 = self.cycle.at(self.place)
-        velocity, acceleration, _ = chain_rule(
-            d1, d2, d3, self.master.velocity_at(self.now), self.master.mean_acceleration()
-        )
-        self.rest_time.leave(self.now)
-        self.parking.plan(self.knife_data, self.now, self.cycle.blade, position, velocity, acceleration)
+        self.rest_time.leave(self.master.path.now)
+        self.parking.plan(self.knife_data, self.cycle, self.master)
         self.cycle.stage = Stage.PARKING
         if self.operation.fault != PieceFault.NONE:
             self.drop_piece()
@@ -784,7 +767,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 last_blade = self.blade_after(self.cycle.blade - 1.0)
                 self.slave.set(self.shown_position(last_blade, self.knife_data.park_angle), 0.0, 0.0, 0.0)
             case Stage.PARKING:
-                position, velocity, acceleration, jerk = self.parking.at_end_of_step()
+                position, velocity, acceleration, jerk = self.parking.motion.at(0.0)
                 self.count_passed_places(position)
                 self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
             case _:

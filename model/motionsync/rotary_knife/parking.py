@@ -4,9 +4,12 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
+from ..master import Master
 from ..motion.jerk_limited import Motion, stopping_distance
+from ..motion.laws import chain_rule
 from ..motion.start import attainable_acceleration
 from ..numerics.grid import floor
+from .cycle import Cycle
 from .knife import Knife
 from .window import PARK_MARGIN
 
@@ -27,12 +30,12 @@ class Parking:
     end: float = 0.0
     passed: float = 0.0
 
-    def plan(
-        self, knife: Knife, now: float, blade: float, position: float, velocity: float, acceleration: float
-    ) -> None:
-        """Plan it from this state; it starts at a time since the step's beginning, s.
+    def plan(self, knife: Knife, cycle: Cycle, master: Master) -> None:
+        """Plan it from where the knife is on its cycle now.
 
         What slows a knife down that turns forwards is no more than what a stop needs, sqrt(2 jerk velocity)."""
+        position, d1, d2, d3 = cycle.at(master.path.reached)
+        velocity, acceleration, _ = chain_rule(d1, d2, d3, master.present_velocity(), master.mean_acceleration())
         up = knife.max_acceleration
         jerk = knife.max_jerk
         start = attainable_acceleration(velocity, acceleration, knife.max_velocity, up, up)
@@ -41,16 +44,12 @@ class Parking:
         stop = position + stopping_distance(velocity, start, up, jerk)
         margin = PARK_MARGIN * knife.turn
         places = -floor(-(stop - margin - knife.park_angle) / knife.spacing)
-        self.blade = blade
+        self.blade = cycle.blade
         self.end = max(knife.park_angle + places * knife.spacing, stop)
         self.passed = floor((position + margin) / knife.spacing)
-        self.motion.move(position, velocity, start, self.end, knife.max_velocity, up, up, jerk)
-        self.motion.clock.start(now)
-
-    def at_end_of_step(self) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk where the motion's clock is."""
-        position, velocity, acceleration, jerk = self.motion.at(self.motion.clock.time)
-        return position, velocity, acceleration, jerk
+        self.motion.start(position, velocity, start)
+        self.motion.move(self.end, knife.max_velocity, up, up, jerk)
+        self.motion.clock.start(master.path.now)
 
     def places_passed(self, knife: Knife, position: float) -> float:
         """How many places of cuts are passed at a position that were not passed before."""
