@@ -9,7 +9,7 @@ import pytest
 
 from motionsync_fmu.production_line.report import decimals, error_chart, event_chart
 from motionsync_fmu.production_line.variants import FollowerEvent
-from tests.pages.test_report import coloured, named, notes, sheets
+from tests.pages.reports import coloured, named, notes, sheets
 
 TIMES = np.arange(1, 101) * 0.1
 
