@@ -9,7 +9,7 @@ from itertools import pairwise
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from motionsync.master import Master, MasterInput
@@ -29,6 +29,7 @@ from tests.model.exact_paths import (
     stretch,
     value,
 )
+from tests.support.drawn import drawn
 from tests.support.numbers import numbers_in
 
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
@@ -464,7 +465,7 @@ def test_an_end_has_no_input_correction() -> None:
 # --- extremes ---------------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=150)
+@drawn(150)
 @given(
     st.sampled_from([START, END, ONLY]),
     st.sampled_from([0.0, 0.0, 1e-9, 0.1, 360.0, 1e12]),

@@ -10,7 +10,7 @@ from typing import Any
 
 import fmpy
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync import var
@@ -21,6 +21,7 @@ from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 from tests.support.importers import bits
 from tests.support.random_runs import draw_runs, draw_until, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
@@ -28,7 +29,6 @@ from tests.support.runs import BlockRun
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 # Long runs: a failing one is reported as generated, since shrinking it would take minutes.
-LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
 
 
 class Pair:
@@ -73,7 +73,11 @@ class Pair:
         return int(refusal)
 
 
-@settings(LONG, max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@drawn(
+    20,
+    anew=True,
+    shrink=False,
+)
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
     """Other runs each time; the test below compares at least 60 that are always the same."""
@@ -86,6 +90,7 @@ def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data:
             pair.restart()
 
 
+@pytest.mark.all_blocks
 def test_every_block_has_random_runs() -> None:
     assert all(load_strategy(name).required_features for name in BLOCKS)
 
@@ -121,7 +126,11 @@ def test_compiled_code_gives_the_bits_of_python_over_20_000_cycles_in_one_step()
         assert pair.step(20_000 * run.start["task_cycle_time"], {}) == 0
 
 
-@settings(LONG, max_examples=12, suppress_health_check=list(HealthCheck))
+@drawn(
+    12,
+    anew=True,
+    shrink=False,
+)
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject

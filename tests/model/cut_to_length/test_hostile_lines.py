@@ -10,7 +10,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.cut_to_length.faults import Fault
@@ -20,7 +20,7 @@ from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.stepper import RefusedError
 from tests.model.cut_to_length.harness import CutToLengthHarness, near, started_machine
 from tests.model.cut_to_length.scripted_runs import differences
-from tests.model.cut_to_length.test_properties import repeatable
+from tests.support.drawn import drawn
 
 LINE = 503.7
 MACHINE: dict[str, Any] = {
@@ -94,7 +94,7 @@ def test_a_spike_of_the_acceleration_does_not_carry_the_carriage_away(spike: flo
     assert states >= {State.WAITING, State.APPROACHING, State.CUTTING, State.RETURNING}
 
 
-@settings(repeatable, max_examples=60)
+@drawn(60, shrink=False)
 @given(st.integers(0, 2**32 - 1).map(Random), st.sampled_from(list(MasterInput)))
 def test_no_setpoint_is_beyond_the_stroke_by_more_than_one_stop(rng: Random, mode: MasterInput) -> None:
     """Whatever the line's inputs: noise, spikes and jumps of each of them, in any state."""
