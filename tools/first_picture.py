@@ -15,7 +15,6 @@ from matplotlib.path import Path as Line
 
 from motionsync_fmu.pages.compact import compact
 from motionsync_fmu.pages.pictures import piece_ends
-from motionsync_fmu.pages.smooth_path import smooth_path
 from motionsync_fmu.pages.style import MASTER, SLAVE, load_template
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.evaluate.time_series import true_stretches
@@ -195,9 +194,9 @@ def _row(
 
 def _path(y: Reals) -> str:
     """A curve of evenly spaced points over the whole time, as SVG has it."""
-    letters = {Line.MOVETO: "M", Line.LINETO: "L", Line.CURVE4: "C"}
-    segments = smooth_path(np.linspace(LEFT, RIGHT, len(y)), y).iter_segments(simplify=False)
-    return "".join(f"{letters[code]} {' '.join(f'{x:.4f}' for x in points)} \n" for points, code in segments)
+    segments = Line(np.column_stack([np.linspace(LEFT, RIGHT, len(y)), y])).iter_segments(simplify=True)
+    letters = {Line.MOVETO: "M", Line.LINETO: "L"}
+    return "".join(f"{letters[code]} {x:.4f} {up:.4f} \n" for (x, up), code in segments)
 
 
 def main() -> None:

@@ -10,11 +10,11 @@ belongs to the block's state, but is not visible outside the block.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from enum import Enum, EnumMeta, IntEnum
-from functools import cache
-from math import inf
-from operator import eq
+from functools import cache, partial
+from math import inf, nextafter
+from operator import attrgetter, eq
 from typing import Any, Protocol, Self, TypeVar, cast
 
 from .numerics.computable_range import LARGEST, SMALLEST_LIMIT
@@ -152,9 +152,11 @@ def selected(kind: type[Enumeration], *names: str) -> type[Enumeration]:
     return _with_members(kind, [member for member in kind if member == 0 or member.name in names])
 
 
-def _with_members(kind: type[Enumeration], members: Iterable[Enumeration]) -> type[Enumeration]:
-    """An enumeration with these members, described as `kind` is."""
-    values = {member.name: (member.value, member.description, *member.names) for member in members}
+def _with_members(
+    kind: type[Enumeration], members: Iterable[Enumeration], others: Mapping[str, tuple[Any, ...]] | None = None
+) -> type[Enumeration]:
+    """An enumeration with the `others`, given by their values, and these members, described as `kind` is."""
+    values: Any = dict(others or {}) | {m.name: (m.value, m.description, *m.names) for m in members}
     made = EnumMeta.__call__(Enumeration, kind.__name__, values, module=kind.__module__)
     made.__doc__ = kind.__doc__
     return cast(type[Enumeration], made)
@@ -210,6 +212,7 @@ class Declaration:
         role: what a tool knows of the variable beyond FMI; None: nothing.
         wraps_at: a counter that restarts at 0 where it would reach this number; 0: it does not wrap.
         command: a Boolean input whose edge gives a command.
+        of_parameters: `codes` are completed by the tunable parameters of the block, which may be out of their ranges.
     """
 
     causality: str
@@ -229,6 +232,28 @@ class Declaration:
     role: Role | None = None
     wraps_at: int = 0
     command: bool = False
+    of_parameters: bool = False
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest value within the limits; both are finite."""
+        return max(self.min, nextafter(self.above, inf)), min(self.max, nextafter(self.below, -inf))
+
+    @property
+    def least_magnitude(self) -> float:
+        """The least magnitude of a value, of one other than 0 if `zero`."""
+        return self.smallest if self.zero else max(self.smallest, nextafter(0.0, inf))
+
+    def allows(self, value: float) -> bool:
+        """Whether a number is within the limits. NaN never is."""
+        low, high = self.ends
+        return low <= value <= high and (abs(value) >= self.least_magnitude or (self.zero and value == 0.0))
+
+    def with_parameters(self, texts: Mapping[int, tuple[str, str]]) -> "Declaration":
+        """The declaration with the codes of these tunable parameters, if it shows which one is out of its range.
+
+        `texts`: by the number that `first_invalid` gives, each one's name and range."""
+        return replace(self, codes=_with_parameters(self.codes, tuple(texts.items()))) if self.of_parameters else self
 
     def of_real_input(self) -> "Declaration":
         """The declaration of a Real parameter that an FMU shows as an input: it is within ±1e12, as Real inputs are.
@@ -290,11 +315,12 @@ def length(
     min: float = 0.0,
     smallest: float = 0.0,
     zero: bool = True,
+    tunable: bool = True,
     role: Role | None = None,
 ) -> float:
-    """A tunable parameter that is a length: at most 1e12."""
+    """A parameter that is a length, tunable unless said otherwise: at most 1e12."""
     return parameter(
-        start, description, unit, tunable=True, min=min, max=LARGEST, smallest=smallest, zero=zero, role=role
+        start, description, unit, tunable=tunable, min=min, max=LARGEST, smallest=smallest, zero=zero, role=role
     )
 
 
@@ -303,9 +329,11 @@ def duration(start: float, description: str) -> float:
     return parameter(start, description, Unit.TIME, tunable=True, min=0.0, max=1e6)
 
 
-def limit(start: float, description: str, unit: Unit, *, zero: bool = True, role: Role | None = None) -> float:
-    """A tunable limit of a motion: within the range for computations, or 0 where that has a meaning of its own."""
-    return length(start, description, unit, smallest=SMALLEST_LIMIT, zero=zero, role=role)
+def limit(
+    start: float, description: str, unit: Unit, *, zero: bool = True, tunable: bool = True, role: Role | None = None
+) -> float:
+    """A limit of a motion: within the range for computations, or 0 where that has a meaning of its own."""
+    return length(start, description, unit, smallest=SMALLEST_LIMIT, zero=zero, tunable=tunable, role=role)
 
 
 def output(
@@ -339,6 +367,14 @@ def local(
         "local", description, unit, discrete, min=min, max=max, depends=depends, codes=codes, report=report, role=role
     )
     return _declared_field(start, declaration)
+
+
+def refused_parameter(start: int, description: str, contradictions: type[Enumeration]) -> int:
+    """An Integer local that shows which tunable parameter is refused; 0: none.
+
+    It is the number that `first_invalid` gives for the block, with a text from that parameter's declaration, or one of
+    `contradictions`, of several values, numbered from 1001 on."""
+    return _declared_field(start, Declaration("local", description, codes=contradictions, of_parameters=True))
 
 
 def switch(start: bool, description: str) -> bool:
@@ -385,21 +421,38 @@ def count(most: int, start: int = 0) -> int:
 def copy(into: T, source: T) -> None:
     """Copy every field of one part into another part of the same class, with the parts and lists inside.
 
-    This function and `same` are also part of compiled code; nothing else in this module is."""
+    This function and the next three are also part of compiled code; nothing else in this module is."""
     _copier(type(source))(into, source)  # type: ignore[arg-type]
 
 
 def same(a: T, b: T) -> bool:
     """Whether all fields of two parts of one class are equal, with those of the parts and the elements of the lists.
 
-    Numbers are compared by `==`: 0.0 is the same as -0.0, and a part with a NaN is not even the same as itself."""
+    Numbers are compared by `==`: 0.0 is the same as -0.0, and a part with a NaN is not even the same as itself. `b` may
+    be of a class that derives from that of `a`, whose fields count."""
     return _comparison(type(a))(a, b)  # type: ignore[arg-type]
+
+
+def first_invalid(part: object) -> int:
+    """The number of the first tunable parameter in a part that is out of its declared range; 0: there is none.
+
+    They are numbered from 1 on in the order of declaration, those in the parts inside included."""
+    return _first_invalid(type(part), part)
+
+
+def copy_valid(into: T, source: T) -> None:
+    """Copy one part into another, as `copy` does, if all tunable parameters in it are within their declared ranges.
+
+    `source` may be of a class that derives from that of `into`, whose fields count."""
+    kind: type = type(into)
+    if _first_invalid(kind, source) == 0:
+        _copier(kind)(into, source)
 
 
 @cache
 def _comparison(part_class: type) -> Callable[[Any, Any], bool]:
     """The comparison of two parts of a class, written as one expression: a step may have many of them."""
-    tests = (f"all(map(eq, a.{n}, b.{n}))" if is_list else f"a.{n} == b.{n}" for n, is_list in _elements(part_class))
+    tests = (f"all(map(eq, a.{n}, b.{n}))" if _is_list(f) else f"a.{n} == b.{n}" for n, f in _elements(part_class))
     function: Callable[[Any, Any], bool] = eval(f"lambda a, b: {' and '.join(tests)}", {"eq": eq})
     return function
 
@@ -407,21 +460,58 @@ def _comparison(part_class: type) -> Callable[[Any, Any], bool]:
 @cache
 def _copier(part_class: type) -> Callable[[Any, Any], None]:
     """The copying of one part of a class into another, written as one function: a step may have many of them."""
-    lines = (f"    a.{n}[:] = b.{n}" if is_list else f"    a.{n} = b.{n}" for n, is_list in _elements(part_class))
+    elements = _elements(part_class)
+    lines = (f"    a.{n}[:] = b.{n}" if _is_list(f) else f"    a.{n} = b.{n}" for n, f in elements)
     scope: dict[str, Any] = {}
     exec("\n".join(["def copy_fields(a, b):", *lines]), scope)
     function: Callable[[Any, Any], None] = scope["copy_fields"]
     return function
 
 
-def _elements(part_class: type, path: str = "") -> Iterator[tuple[str, bool]]:
-    """The fields of a part and of the parts inside, by their names with dots, and whether each is a list."""
+def _first_invalid(part_class: type, part: object) -> int:
+    """As `first_invalid`, of the parameters that a class has."""
+    for number, (read, is_allowed) in enumerate(_tunables(part_class), 1):
+        if not is_allowed(read(part)):
+            return number
+    return 0
+
+
+@cache
+def _tunables(part_class: type) -> list[tuple[Callable[[Any], Any], Callable[[Any], bool]]]:
+    """What reads each tunable parameter of a part, and whether a value is within its range."""
+    shown = ((name, f, f.metadata.get("declaration")) for name, f in _elements(part_class, hidden=False))
+    return [(attrgetter(name), partial(_is_allowed, f)) for name, f, declared in shown if declared and declared.tunable]
+
+
+def _is_allowed(f: Field[Any], value: Any) -> bool:
+    """Whether a value is within the range that its field declares."""
+    kind, declaration = type(f.default), f.metadata.get("declaration")
+    if isinstance(kind, EnumMeta):
+        return any(value == member for member in kind)
+    return declaration is None or kind is bool or declaration.allows(value)
+
+
+def _elements(part_class: type, path: str = "", hidden: bool = True) -> Iterator[tuple[str, Field[Any]]]:
+    """The fields of a part and of the parts inside, by their names with dots; `hidden`: of hidden parts, too."""
     for f in fields(part_class):
         name, factory = f"{path}{f.name}", f.default_factory
-        if isinstance(factory, type) and is_dataclass(factory):
-            yield from _elements(factory, f"{name}.")
-        else:
-            yield name, factory is not MISSING
+        if not (isinstance(factory, type) and is_dataclass(factory)):
+            yield name, f
+        elif hidden or not f.metadata["hidden"]:
+            yield from _elements(factory, f"{name}.", hidden)
+
+
+def _is_list(f: Field[Any]) -> bool:
+    return f.default_factory is not MISSING
+
+
+@cache
+def _with_parameters(kind: type[Enumeration], texts: tuple[tuple[int, tuple[str, str]], ...]) -> type[Enumeration]:
+    """An enumeration completed by tunable parameters: by number, each one's name and range."""
+    parameters = {
+        name.upper().replace(".", "_"): (number, f"{name} must be {allowed}", name) for number, (name, allowed) in texts
+    }
+    return _with_members(kind, kind, parameters)
 
 
 def _declared_field(start: T, declaration: Declaration) -> T:

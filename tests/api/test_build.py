@@ -25,13 +25,9 @@ def test_an_fmu_is_built_once(tmp_path: Path, capfd: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"fmu": "Saw"}, "no block is named 'Saw'"),
         ({"flavour": "wasm"}, "no flavour is named 'wasm'; there is native, python"),
         ({"fmi": "1"}, "no version of FMI is named '1'"),
-        ({"start": {"kerf": 1}}, "--start: name the one block that it is for"),
         ({"fmu": "CutToLength", "start": {"kerf": -1}}, "kerf = -1"),
-        ({"fmu": "Gearing", "as_input": "gear.*"}, "--as-input: no variable of Gearing is named 'gear"),
-        ({"sources": True, "flavour": "python"}, "--sources: the python flavour has no C"),
         ({"wasm": True}, "--wasm: only an FMU of FMI 3.0"),
     ],
 )

@@ -1,8 +1,6 @@
 """`describe` and `error` from Python: what they give, and their errors."""
 
-import pytest
-
-from motionsync_fmu import UserError, describe, error
+from motionsync_fmu import describe, error
 
 
 def test_a_description_has_variables_enumerations_and_codes() -> None:
@@ -34,12 +32,3 @@ def test_codes_are_found_by_number_and_words() -> None:
     (code,) = error(17118)
     assert (code.block, code.name, code.number_text) == ("FlyingSaw", "NOT_AHEAD", "17118 = 0x42DE")
     assert error("flyingsaw", "0x42DE") == error("must be ahead") == [code]
-
-
-def test_mistakes_are_named() -> None:
-    with pytest.raises(UserError, match="no block is named 'Saw'"):
-        describe("Saw")
-    with pytest.raises(UserError, match="no unit is named 'inch'"):
-        describe("CutToLength", unit="inch")
-    with pytest.raises(UserError, match="no block has the fault code 16999"):
-        error(16999)

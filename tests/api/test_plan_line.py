@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu import UserError, plan_line
+from motionsync_fmu import plan_line
 from tests.api.test_run import Frame
 
 SLOW = 158.0  # mm/s, for pieces of 100 mm: the table in model/motionsync/cut_to_length/README.md
@@ -27,10 +27,3 @@ def test_a_plan_has_its_predictions_and_its_page(tmp_path: Path, capfd: pytest.C
     assert without_times[0] == without_times[1]
     assert plan.title in frame.page
     assert capfd.readouterr() == ("", "")
-
-
-def test_mistakes_are_named() -> None:
-    with pytest.raises(UserError, match="kerfs"):
-        plan_line(set={"kerfs": 1})
-    with pytest.raises(UserError, match="--length"):
-        plan_line(length="long")

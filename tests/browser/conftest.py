@@ -9,8 +9,12 @@ from typing import Any
 
 import pytest
 
+from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.report.page import write_report
+from motionsync_fmu.pages.style import TEMPLATES
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.scenario import Scenario
 from tests.browser.runs import run
 from tests.browser.visit import Visit, choose
 from tests.support.explored import explored, opens_with
@@ -25,6 +29,10 @@ Open = Callable[..., Visit]
 
 OpenReport = Callable[..., Visit]
 """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
+
+OpenMachine = Callable[..., Visit]
+"""Opens the machine of a run on a page of its own: `open_machine(scenario, recording, ...)`, the rest as for
+`open_page`."""
 
 AtRest = Callable[[str], Visit]
 """The report of a scenario in a page that tests share: `at_rest(name)`."""
@@ -127,6 +135,22 @@ def open_report(open_page: Open, report_file: Callable[[str], Path]) -> OpenRepo
         return drawn(open_page(report_file(name), **options))
 
     return opened
+
+
+@pytest.fixture
+def open_machine(open_page: Open, tmp_path: Path) -> OpenMachine:
+    def opened(scenario: Scenario, recording: Recording, **options: Any) -> Visit:
+        return open_page(write_machine(tmp_path / "machine.html", scenario, recording), **options)
+
+    return opened
+
+
+def write_machine(file: Path, scenario: Scenario, recording: Recording) -> Path:
+    """Write a page with the machine of a run alone."""
+    colours = (TEMPLATES / "colours.css").read_text("utf-8")
+    head = f"<!doctype html><html lang=en><meta charset=utf-8><title>machine</title><style>{colours}</style>"
+    file.write_text(f"{head}<body style='margin: 1rem'>{machine(scenario, recording)}</body></html>", "utf-8")
+    return file
 
 
 def drawn(report: Visit) -> Visit:

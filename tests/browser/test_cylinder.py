@@ -3,15 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import atan2, cos, degrees, hypot, pi, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from motionsync_fmu.pages.machine.fragment import machine
-from motionsync_fmu.pages.style import TEMPLATES
 from motionsync_fmu.scenario.recording import Recording
-from tests.browser.conftest import Open
+from tests.browser.conftest import OpenMachine
 from tests.browser.runs import record, run
 from tests.browser.visit import Visit
 
@@ -19,7 +16,6 @@ FORMATS = "RotaryKnife/formats"
 CUTS = [800.0, 1400.0, 2000.0, 2400.0, 3300.0, 4800.0, 5100.0]  # and so on, mm; on a line of 1000 mm/s
 RADIUS = 600.0 / (2 * pi)
 SHARP = 0.05  # px
-HEAD = "<!doctype html><html lang=en><meta charset=utf-8><title>machine</title>"
 TIPS = """[...document.querySelectorAll('.cylinder .blade')].map(blade => {
   const [, x, y] = blade.getAttribute('d').match(/L(\\S+) (\\S+)L/).map(Number);
   const tip = new DOMPoint(x, y).matrixTransform(blade.getCTM());
@@ -56,7 +52,7 @@ class Picture:
 
 
 @pytest.fixture
-def open_knife(open_page: Open, tmp_path: Path) -> OpenKnife:
+def open_knife(open_machine: OpenMachine) -> OpenKnife:
     """Opens the machine of the formats' run, with other start values: `open_knife({"knife.blades": 2}, ...)`, the rest
     as for `open_page`."""
 
@@ -65,11 +61,7 @@ def open_knife(open_page: Open, tmp_path: Path) -> OpenKnife:
         if start:
             scenario = replace(scenario, start={**scenario.start, **start})
             recording = record(scenario)
-        file = tmp_path / "machine.html"
-        colours = (TEMPLATES / "colours.css").read_text("utf-8")
-        body = f"<body style='margin: 1rem'>{machine(scenario, recording)}</body>"
-        file.write_text(f"{HEAD}<style>{colours}</style>{body}</html>", "utf-8")
-        return Picture(open_page(file, **options), recording)
+        return Picture(open_machine(scenario, recording, **options), recording)
 
     return opened
 

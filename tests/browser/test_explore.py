@@ -2,7 +2,6 @@
 
 import csv
 import hashlib
-import json
 import random
 import re
 from collections.abc import Callable
@@ -14,16 +13,14 @@ import pytest
 
 from motionsync_fmu.explorer import page as explore_page
 from motionsync_fmu.explorer.data import explored as shown
-from motionsync_fmu.explorer.page import scenarios_of, write_page
+from motionsync_fmu.explorer.page import write_page
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.pages.machine.fragment import scene_data
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.browser.conftest import Chosen, Open, OpenBlock, ready
 from tests.browser.runs import record
-from tests.browser.scenes import assert_same_scene
 from tests.browser.visit import Visit, choose, contrast, settle
 from tests.support.explored import explored, opens_with
 from tests.support.fmus import Fmus
@@ -958,23 +955,6 @@ def test_a_line_that_follows_is_the_same_with_another_scan(chosen: Chosen, tmp_p
 
 
 # --- the picture ---
-
-
-def test_the_machine_is_the_one_of_the_report(chosen: Chosen, fmus: Fmus, block: str) -> None:
-    """Both follow machine.toml: a report from a recording, the page from its own run of the same scenario."""
-    visit, page = chosen(block), explored(fmus, block)
-    scene = "motionsyncExplore.scene(motionsyncExplore.run(name))"
-    plain = "(_, x) => ArrayBuffer.isView(x) ? [...x] : x"
-    names = [s["name"] for s in page.data["scenarios"]]
-    for name, scenario in zip(names, map(shown, scenarios_of(block)), strict=True):
-        expected = scene_data(scenario, record(scenario))
-        actual = json.loads(visit.page.evaluate(f"name => JSON.stringify({scene}, {plain})", name))
-        assert (expected is None) == (actual is None)  # a block without machine.toml has no picture
-        if expected:
-            assert_same_scene(expected, actual, scenario.name, expected["stop"])
-        else:
-            choose(visit, name)
-            assert visit.page.locator(".motionsync-machine").is_hidden()
 
 
 @pytest.mark.parametrize(

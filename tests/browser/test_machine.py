@@ -3,41 +3,29 @@
 import random
 from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from motionsync_fmu.pages.machine.fragment import machine
-from motionsync_fmu.pages.style import TEMPLATES
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.recording import Recording
-from tests.browser.conftest import Open
+from tests.browser.conftest import OpenMachine
 from tests.browser.runs import run
 from tests.browser.visit import READOUTS, Visit
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SMALL = "FlyingSaw/diagonal_saw"
 KINDS = "CutToLength/sample_and_waste"
-HEAD = "<!doctype html><html lang=en><meta charset=utf-8><title>machine</title>"
-COLOURS = (TEMPLATES / "colours.css").read_text("utf-8")
 
 OpenRun = Callable[..., Visit]
 
 
 @pytest.fixture
-def open_run(open_page: Open, tmp_path: Path) -> OpenRun:
+def open_run(open_machine: OpenMachine) -> OpenRun:
     """Opens the machine of a scenario's run: `open_run(name, ...)`, the rest as for `open_page`."""
-
-    def opened(name: str, **options: object) -> Visit:
-        file = tmp_path / "machine.html"
-        body = f"<body style='margin: 1rem'>{machine(*run(name))}</body>"
-        file.write_text(f"{HEAD}<style>{COLOURS}</style>{body}</html>", "utf-8")
-        return open_page(file, **options)
-
-    return opened
+    return lambda name, **options: open_machine(*run(name), **options)
 
 
 def seen_at_points(visit: Visit, recording: Recording, look: str) -> list[tuple[int, Any]]:

@@ -4,6 +4,9 @@ from pathlib import Path
 from typing import Any
 
 ABORTED = "net::ERR_ABORTED"
+MACHINE_IS_SHOWN = "() => !document.querySelector('.motionsync-machine:not([hidden]):not([data-time])')"
+"""A JavaScript expression: the page has drawn the machine that it has, if it has one."""
+
 READOUTS = """Object.fromEntries([...document.querySelectorAll('.motionsync-machine .readouts div')]
   .map((row) => [...row.children].map((part) => part.innerText)))"""
 """A JavaScript expression: what the machine shows, by name."""
@@ -31,7 +34,12 @@ class Visit:
         }
         for event, listener in self._listeners.items():
             page.on(event, listener)
-        page.goto(file.as_uri())
+        self.load()
+
+    def load(self) -> None:
+        """Load the file, for the first time or anew."""
+        self.page.goto(self.file.as_uri())
+        self.page.wait_for_function(MACHINE_IS_SHOWN)
 
     def end(self) -> None:
         """Leave an empty window."""

@@ -48,13 +48,6 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     ]
 
 
-def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command) -> None:
-    """tests/fmu/test_fmu.py has all units."""
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", "deg", "--output", "here").status == 0
-    (real,) = description(the_fmu("here")).iterfind("TypeDefinitions/SimpleType[@name='Position']/Real")
-    assert real.get("unit") == "deg"
-
-
 def test_baked_start_values_are_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
@@ -165,6 +158,7 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
             ("--as-parameter: rest_value already becomes an input",),
         ),
         (("--as-local", "ready"), ("--as-local", "one block")),
+        (("Synchronizer", "Synchronizer", "--start", "rest_value=3"), ("--start", "one block")),
     ],
 )
 def test_a_mistake_in_build_is_one_line_and_builds_nothing(
@@ -172,12 +166,6 @@ def test_a_mistake_in_build_is_one_line_and_builds_nothing(
 ) -> None:
     assert_one_line(motionsync("build", *arguments), *parts)
     assert not Path("build").exists()
-
-
-def test_start_values_need_one_block(motionsync: Command) -> None:
-    assert_one_line(
-        motionsync("build", "Synchronizer", "Synchronizer", "--start", "rest_value=3"), "--start", "one block"
-    )
 
 
 def test_an_fmu_that_is_up_to_date_is_built_again_by_force_only(motionsync: Command) -> None:

@@ -179,11 +179,3 @@ def test_a_run_without_a_cut_is_reported_and_checked(workshop: Command) -> None:
     assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
     scenario("saw", STOP + table + "count = 0\n")
     assert workshop("run", "saw", "--no-report").status == 0
-
-
-def test_the_tolerance_of_cuts_is_a_tenth_of_a_millimetre_by_default(workshop: Command) -> None:
-    """The cut is 0.5 mm before the mark, as above; in metres the tolerance would be 0.0001, too."""
-    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 30.0\noffset = {}\n'
-    for offset, status in ((0.5, 1), (0.09, 0), (-0.09, 0), (0.11, 1)):
-        scenario("saw", STOP + table.format(offset))
-        assert workshop("run", "saw", "--no-report").status == status

@@ -93,12 +93,12 @@ static void Ramp_advance(Ramp *self, double h, double gain, bool *failed) {
         self->laps[i] += rate; /* each lap */
     }
     /* The last lap counts twice. */
-    const int64_t at_lap = index_in(lap, 3, failed);
-    self->laps[at_lap] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
+    self->laps[index_in(lap, 3, failed)] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
     self->rows[py_mod_int(lap + 1, 6)] = rate;
     if (rate != 0.0) {
-        self->times[at_lap] += self->laps[at_lap] / rate;
-        self->rows[2 * at_lap] = self->rows[2 * at_lap + 1] / nonzero(gain, failed) - rate / gain;
+        self->times[index_in(lap, 3, failed)] += self->laps[index_in(lap, 3, failed)] / nonzero(rate, failed);
+        self->rows[index_in(2 * lap, 6, failed)] = self->rows[index_in(2 * lap + 1, 6, failed)] / nonzero(gain, failed)
+            - rate / nonzero(gain, failed);
     }
     self->travel += STEEP * rate;
 }

@@ -1,12 +1,13 @@
 """What compiled code must get right whatever the block, and how a block lies in memory."""
 
 from dataclasses import dataclass
-from math import inf, isnan, nan
+from math import inf, isnan, nan, nextafter
+from typing import Any
 
 import pytest
 
 from motionsync import var
-from motionsync.var import Enumeration
+from motionsync.var import Enumeration, Unit
 from motionsync_fmu.compiler.memory_layout import image
 from motionsync_fmu.native.tables import number, quoted
 from tests.support.compiled import Compiled, equal
@@ -212,6 +213,73 @@ def test_a_part_is_the_same_as_itself_unless_it_holds_a_nan(values: list[float])
     compiled = Compiled(block)
     assert compiled.step(1.0) == block.step(1.0) == 0
     assert compiled.memory["is_same"] == block.is_same == (not any(map(isnan, values)))
+
+
+@dataclass(slots=True)
+class Ranges:
+    """A range of each kind."""
+
+    inner: Inner = var.part(Inner)
+    limit: float = var.limit(1.0, "0, or 1e-12 to 1e12", Unit.NONE)
+    share: float = var.parameter(0.5, "above 0, and below 1", tunable=True, above=0.0, below=1.0)
+    count: int = var.parameter(1, "at least 1", tunable=True, min=1)
+    on: bool = var.switch(False, "each value is allowed")
+    way: Way = var.parameter(Way.UP, "a member", tunable=True)
+    position: float = var.position(0.0, "within 1e12")
+    speed: float = var.limit(1.0, "1e-12 to 1e12", Unit.NONE, zero=False)
+    free: float = var.parameter(0.0, "finite", tunable=True)
+    fixed: float = var.parameter(0.0, "not tunable", max=1.0)
+
+
+@dataclass(slots=True)
+class WiderRanges(Ranges):
+    more: float = var.length(0.0, "at least 0")
+
+
+@dataclass(slots=True)
+class Validator:
+    kept: Ranges = var.part(Ranges, hidden=True)
+    given: WiderRanges = var.part(WiderRanges)
+    first: int = 0
+
+    def initialize(self) -> Refusal:
+        self.first = var.first_invalid(self.given)
+        return Refusal.NONE
+
+    def step(self, h: float) -> Refusal:
+        var.copy_valid(self.kept, self.given)
+        return Refusal.NONE
+
+
+LEAST = nextafter(0.0, 1.0)
+RANGES = [
+    ("limit", 1, (0.0, -0.0, 1e-12, 1e12), (nextafter(1e-12, 0.0), nextafter(1e12, inf), -1.0, nan, inf)),
+    ("share", 2, (LEAST, nextafter(1.0, 0.0)), (0.0, 1.0, nan)),
+    ("count", 3, (1, 2**31), (0, -(2**40))),
+    ("on", 0, (True,), ()),
+    ("way", 5, (Way.DOWN, Way.NONE), (7, -1)),
+    ("position", 6, (-1e12, 1e12), (nextafter(-1e12, -inf), nextafter(1e12, inf), nan)),
+    ("speed", 7, (1e-12, 1e12), (0.0, nextafter(1e-12, 0.0), -1.0)),
+    ("free", 8, (1.7976931348623157e308, -1e308), (inf, -inf, nan)),
+    ("more", 9, (0.0, 1e12), (-LEAST,)),
+]
+
+
+@pytest.mark.parametrize(("name", "number", "allowed", "refused"), RANGES)
+def test_a_parameter_out_of_its_declared_range_is_numbered_and_its_part_not_copied(
+    name: str, number: int, allowed: tuple[Any, ...], refused: tuple[Any, ...]
+) -> None:
+    """The numbers count the tunable parameters, in the order of declaration: that of the base comes first."""
+    for value in (*allowed, *refused):
+        block = Validator()
+        block.given.inner.values[1] = 3.0
+        setattr(block.given, name, value)
+        compiled = Compiled(block)
+        assert compiled.initialize() == block.initialize() == 0
+        assert compiled.memory["first"] == block.first == (0 if value in allowed else number)
+        assert compiled.step(1.0) == block.step(1.0) == 0
+        assert equal(block, compiled)
+        assert block.kept.inner.values[1] == (3.0 if name == "more" or value in allowed else 0.0)
 
 
 STEPS = (1.0, 2.0, 0.1, -0.0, 0.0, -0.75, -1e-300, 5e-324, 0.375, 1.125, -0.375, 7.5, 1e6, 1.1e6, -1e15, 1e12)

@@ -186,6 +186,10 @@ INSIDE = {
 
             def is_current(self, other: Part) -> bool:
                 return var.same(self.stored, other) and not var.same(other, self.part)
+
+            def try_take(self, other: Part) -> int:
+                var.copy_valid(self.stored, other)
+                return var.first_invalid(other)
     """,
     "a block over its interface": """
         from dataclasses import dataclass

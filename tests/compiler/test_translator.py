@@ -280,6 +280,14 @@ return 1.0 if var.same(self.other, self.part) else 2.0
 self.longer.y = self.a
 part = self.longer
 return 1.0 if var.same(part, self.longer) else 2.0
+
+self.longer.y = self.a
+self.longer.number = self.m
+self.longer.turn = self.way
+var.copy_valid(self.stored, self.longer)
+var.copy_valid(self.part, self.stored)
+self.on = var.same(self.part, self.longer)
+return float(var.first_invalid(self.longer)) + self.stored.y
 """
 
 
@@ -379,9 +387,8 @@ def operations() -> str:
     """The text of a block that does the operation with the number `which`; some names are keywords of C."""
     assignments = [(kind, text) for kind, texts in OPERATIONS.items() for text in texts]
     head = HEAD.replace("    calls: int = 0\n", "    calls: int = 0" + KEYWORDS)
-    head = head.replace("    y: float = var.local(", "    auto_: float = 4.0\n    y: float = var.local(").replace(
-        "    auto_: float = 4.0", "    auto_: float = var.local(4.0, 'like a keyword')"
-    )
+    longer = "class Longer(Part):\n"
+    head = head.replace(longer, longer + "    auto_: float = var.local(4.0, 'like a keyword')\n")
     text = head + "\n    def step(self, h: float) -> Refusal:\n        match self.which:\n"
     for i, (kind, expression) in enumerate(assignments):
         text += f"            case {i}:\n                self.{kind} = {expression}\n"

@@ -50,11 +50,6 @@ class Servo:
         feedforward: Number = 1.0,
         dead_time: Number = 0.0,
     ) -> None:
-        if not position_gain > 0 or not velocity_time_constant >= 0 or not dead_time >= 0:
-            raise ValueError(
-                f"position gain {position_gain} must be positive, "
-                f"times {velocity_time_constant} and {dead_time} not negative"
-            )
         self.gain = mp.mpf(position_gain)
         self.time_constant = mp.mpf(velocity_time_constant)
         self.feedforward = mp.mpf(feedforward)

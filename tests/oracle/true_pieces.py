@@ -26,10 +26,7 @@ Cut = tuple[list[Number], list[Number]]
 
 
 class TrueCuts:
-    """The cuts of a run: rows of the times (s), the true master (u), the actual slave, and whether the tool cuts.
-
-    With a `period` (u) the master's positions may be wrapped: each is in the turn nearest to the row before.
-    """
+    """The cuts of a run: rows of the times (s), the true master (u), the actual slave, and whether the tool cuts."""
 
     def __init__(
         self,
@@ -39,9 +36,8 @@ class TrueCuts:
         cutting: Sequence[bool],
         *,
         ratio: Number = 1.0,
-        period: Number = 0.0,
     ) -> None:
-        places = [m - mp.mpf(s) / ratio for m, s in zip(_unwrapped(master, period), slave, strict=True)]
+        places = [m - mp.mpf(s) / ratio for m, s in zip(map(mp.mpf, master), slave, strict=True)]
         self.cuts = list(_cuts(times, places, cutting))
 
     @property
@@ -78,14 +74,6 @@ def c_pk(errors: Sequence[Number], tolerance: Number) -> Number:
     """The process capability of errors that may be up to `tolerance` on both sides."""
     margin, sigma = mp.mpf(tolerance) - abs(mean(errors)), deviation(errors)
     return margin / (3 * sigma) if sigma else mp.inf if margin >= 0 else -mp.inf
-
-
-def _unwrapped(positions: Sequence[Number], period: Number) -> list[Number]:
-    result = [mp.mpf(positions[0])]
-    for position in positions[1:]:
-        step = position - result[-1]
-        result.append(result[-1] + (step - mp.nint(step / period) * period if period else step))
-    return result
 
 
 def _cuts(times: Sequence[Number], places: Sequence[Number], cutting: Sequence[bool]) -> Iterator[Cut]:

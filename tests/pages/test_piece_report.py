@@ -1,4 +1,4 @@
-"""The report of a machine that cuts to length, and its picture, of a run by hand (`tests/support/hand_made_run.py`).
+"""The report of a machine that cuts to length, of a run by hand (`tests/support/hand_made_run.py`).
 
 The line runs at 1000 u/s, the front end stands for a cut at 198, the kerf is 4: pieces of 500, 1500, 1500, 1000, 3004
 and 1500 end at 702, 2206, 3710, 4714, 7722 and 9226.
@@ -15,7 +15,6 @@ import plotly.graph_objects as go
 import pytest
 
 from motionsync.cutting.interface import PieceKind
-from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
@@ -286,47 +285,3 @@ def test_a_length_that_is_measured_otherwise_is_shown(run: Run, tmp_path: Path) 
 def test_headings_come_in_the_sequence_of_a_reader_s_questions(run: Run, tmp_path: Path) -> None:
     headings = re.findall(r"<h2[^>]*>(.*?)</h2>", page(run, tmp_path))
     assert headings[:4] == ["Pieces", "The machine", "Motion", "States and commands"]
-
-
-# --- the machine ---
-
-
-def data_of(run: Run) -> dict[str, Any]:
-    data = re.search(r'<script type="application/json">(.*?)</script>', machine(*run), re.S)
-    assert data
-    return dict(json.loads(data[1]))
-
-
-def test_the_picture_knows_the_pieces_and_the_next_cut(run: Run) -> None:
-    data = data_of(run)
-    assert [p["begin"] for p in data["pieces"]] == pytest.approx(BEGINS)
-    assert [p["end"] for p in data["pieces"]] == pytest.approx(ENDS)
-    assert [p["name"] for p in data["pieces"]][3:5] == ["SAMPLE", "MERGED"]
-    assert data["marks"]["next"]["x"][1:7] == pytest.approx(ENDS)
-    assert data["marks"]["shown"]["x"] == [0, 1, 0]
-    assert data["ratio"] == 1.0
-    assert data["home"] == {"at": 0.0, "label": "home"}
-    assert data["request"]["x"] == [0, 1100, 900]
-    assert data["ends"] == [-250.0, 650.0]
-
-
-def test_the_blade_is_down_from_its_command_until_it_is_clear(run: Run) -> None:
-    """In this run for 0.05 s after the cut."""
-    s, recording = run
-    cutting = recording.values["tool.cutting"] != 0.0
-    down = cutting.copy()
-    for n in range(1, 6):
-        down[n:] |= cutting[:-n]
-    data = data_of((s, replace(recording, values=recording.values | {"tool.blade_down": down.astype(float)})))
-    assert data["down"]["x"] == [0, 1] * len(ENDS) + [0]
-    lasted = np.diff(data["down"]["t"])[1::2]
-    assert lasted == pytest.approx([CUT + 0.05] * len(ENDS), abs=0.011)
-
-
-def test_on_a_rotary_master_the_next_cut_is_in_the_turn_in_which_it_is_made(run: Run) -> None:
-    """The block reports positions within 700: 2206 as 106, for instance."""
-    s, recording = run
-    wrapped = recording.values | {"next_cut.position": recording.values["next_cut.position"] % 700.0}
-    rotary = replace(s, start={**s.start, "master.period": 700.0})
-    data = data_of((rotary, replace(recording, values=wrapped)))
-    assert data["marks"]["next"]["x"][1:7] == pytest.approx(ENDS)

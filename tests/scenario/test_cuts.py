@@ -6,14 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.cutting import CutSpec
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
-from tests.support.scenario_texts import VALID
+from tests.support.scenario_texts import VALID, assert_refused
 from tests.support.verdicts import checks_of
 
 CUTS = """
@@ -55,15 +54,8 @@ def test_a_mistake_in_cuts_is_reported_with_its_line(
 ) -> None:
     accepted = VALID.replace('"master.period" = 360.0\n', "") if old else VALID
     text = accepted + CUTS.replace(old, new) if old else accepted + CUTS
-    at = next((i for i, line in enumerate(text.splitlines(), 1) if i > 42 and line.startswith(f"{key} =")), 0)
-    at = at or text[: text.index("[cuts]")].count("\n") + 1
-    file = tmp_path / "scenario.toml"
-    file.write_text(text)
-    with pytest.raises(UserError) as error:
-        load_scenario(file)
-    assert str(error.value).startswith(f"{file}:{at}: {key}: ")
-    for part in parts:
-        assert part in str(error.value)
+    at = next((i for i, line in enumerate(text.splitlines(), 1) if i > 42 and line.startswith(f"{key} =")), "[cuts]")
+    assert_refused(text, tmp_path, at, key, *parts)
 
 
 def test_cuts_are_read(tmp_path: Path) -> None:

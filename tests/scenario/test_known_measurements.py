@@ -1,12 +1,16 @@
-"""Numbers worked out by hand or published that the encoder, the load and the true pieces have in the oracles."""
+"""Numbers that are known of encoder, servo, load and true pieces: by hand, published, or by an integrator."""
 
 import math
+from itertools import accumulate, pairwise
+from random import Random
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.oracle import load, mp, splitmix64, true_pieces
 from tests.oracle.encoder import Encoder, scripted_line
+from tests.oracle.servo import Servo
 from tests.oracle.true_pieces import TrueCuts
 
 EXACT = mp.mpf("1e-40")
@@ -144,6 +148,82 @@ def test_with_a_sample_time_the_value_is_held() -> None:
         encoder.reading(0.2, 2, ramp)
 
 
+def test_with_a_sample_time_the_readings_depend_neither_on_the_step_nor_on_the_order() -> None:
+    """With everything; steps of 4, 1 and 0.5 ms and odd points between, in any order."""
+    encoder = Encoder(0.1, 0.02, 0.003, 1.0005, 0.05, 500.0, 0.004, 7, 360.0)
+    times = [n * 0.0005 for n in range(160)] + [Random(1).uniform(0, 0.08) for _ in range(40)]
+    Random(2).shuffle(times)
+    samples: dict[int, set[Any]] = {}
+    for t in times:
+        n = encoder.sample_number(t)
+        samples.setdefault(n, set()).add(encoder.reading(t, n, ramp))
+    assert sorted(samples) == list(range(20))
+    assert all(len(values) == 1 for values in samples.values())
+    assert len(set.union(*samples.values())) > 15
+
+
+# --- servo ------------------------------------------------------------------------------------------------------------
+
+
+def setpoint(seed: int) -> tuple[list[float], list[float], list[float]]:
+    """A setpoint with steps of random length and any velocities, the first one too."""
+    r = Random(seed)
+    times = [0.0, *accumulate(r.uniform(0.005, 0.05) for _ in range(8))]
+    return times, [r.uniform(-1, 1) for _ in times], [r.uniform(-20, 20) for _ in times]
+
+
+SERVOS = [
+    (50.0, 0.003, 1.0, 0.002),  # complex roots
+    (20.0, 0.01, 0.6, 0.0),  # real ones
+    (25.0, 0.01, 0.0, 0.0301),  # the same root twice, but for the rounding of 0.01
+    (16.0, 0.015625, 0.5, 0.01),  # twice, exactly
+    (40.0, 0.0, 0.7, 0.013),
+    (3.0, 0.5, 1.3, 0.2),
+]
+
+
+@pytest.mark.parametrize("parameters", SERVOS)
+def test_the_servo_is_what_an_integrator_computes(parameters: tuple[float, float, float, float]) -> None:
+    """scipy's, from kink to kink, for any setpoint; the setpoint is scipy's, too."""
+    from scipy.integrate import solve_ivp  # noqa: PLC0415 (these take long to load, in every process that collects tests)
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415
+
+    gain, lag, feedforward, dead_time = parameters
+    times, positions, velocities = setpoint(5)
+    s = CubicHermiteSpline(times, positions, velocities)
+    ds = s.derivative()
+    x, v, a = (np.array(values, float) for values in Servo(*parameters).run(times, positions, velocities))
+    state = np.array([positions[0], 0.0] if lag else [positions[0]])
+    computed = [[positions[0], 0.0, 0.0]]
+    for begin, end in pairwise(sorted({*times, *(t + dead_time for t in times if t + dead_time < times[-1])})):
+        moves = begin + end > 2 * dead_time
+
+        def rates(t: float, y: Any, moves: bool = moves) -> list[float]:
+            late = max(t - dead_time, 0.0)
+            u = feedforward * ds(late) * moves + gain * ((s(late) if moves else positions[0]) - y[0])
+            return [y[1], (u - y[1]) / lag] if lag else [u]
+
+        state = solve_ivp(rates, (begin, end), state, "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        if end in times:
+            computed.append([*state, *rates(end, state)[-1:], *([] if lag else [math.nan])])
+    expected = np.array(computed)
+    assert np.ptp(x) > 0.05
+    assert x == pytest.approx(expected[:, 0], rel=1e-9, abs=1e-9)
+    assert v == pytest.approx(expected[:, 1], rel=1e-9, abs=1e-9)
+    if lag:
+        assert a == pytest.approx(expected[:, 2], rel=1e-9, abs=1e-7)
+
+
+def test_a_dead_time_that_is_a_multiple_of_the_step_but_for_rounding() -> None:
+    """Without Tv the acceleration jumps with the setpoint's: a row has the one before, whatever 0.007 rounds to."""
+    h, steps = 0.001, 12
+    times = [n * h for n in range(steps)]
+    velocities = [0.0 if n < 2 else 3.0 * (n - 2) for n in range(steps)]  # 3000 from 2 ms on
+    positions = [0.0 if n < 2 else 1500 * ((n - 2) * h) ** 2 for n in range(steps)]
+    _, _, a = Servo(50.0, dead_time=0.003).run(times, positions, velocities)
+    assert [float(value) for value in a] == pytest.approx([0.0] * 6 + [3000.0] * 6, abs=1e-6)
+
+
 # --- load -------------------------------------------------------------------------------------------------------------
 
 
@@ -181,11 +261,6 @@ def test_rms_is_a_mean_over_time() -> None:
     """1 for 1 s, then 7 for 3 s, with two rows at the jump: √(148/4). A jump of the sign alone is none."""
     assert abs(load.rms([0, 1, 1, 3, 4], [1, 1, 7, 7, 7]) - mp.sqrt(37)) < EXACT
     assert load.rms([0, 1, 4], [-3, 3, -3]) == 3
-
-
-def test_the_load_of_an_axis_at_rest() -> None:
-    assert load.force(120.0, 150.0, 0.0, 0.0) == 0
-    assert load.peak([0.0, -3.0, 2.0]) == 3
 
 
 # --- true pieces ------------------------------------------------------------------------------------------------------
@@ -236,21 +311,6 @@ def test_a_cut_in_one_row_and_one_that_is_not_over() -> None:
     assert result.lengths() == []
     assert result.movement == 0
     assert TrueCuts([0, 1], [0, 1], [0, 0], [False, False]).movement == 0
-
-
-def test_places_of_a_line_with_a_period() -> None:
-    """Turns of 90, backwards as well: from 0 to 300, and back to 100."""
-
-    def master(t: float) -> float:
-        return 100 * t if t < 3 else 300 - 50 * (t - 3)
-
-    def cutting(t: float) -> bool:
-        return t in (0.5, 2.0, 6.0)
-
-    linear = cuts(master, lambda t: 0.0, cutting)
-    modulo = cuts(lambda t: master(t) % 90, lambda t: 0.0, cutting, period=90.0)
-    assert linear.places == modulo.places == [50, 200, 150]
-    assert modulo.lengths() == [150, -50]
 
 
 def test_figures_of_the_errors() -> None:

@@ -1,7 +1,6 @@
 """What the reader of scenario files reports of a file with a mistake."""
 
 import re
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,8 +12,9 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario, read_scenario_text
 from motionsync_fmu.scenario.scenario import AtTime, When, Within
+from tests.support.calls import calls
 from tests.support.drawn import drawn
-from tests.support.scenario_texts import SEGMENTS, VALID
+from tests.support.scenario_texts import SEGMENTS, VALID, assert_refused
 
 SETTINGS = VALID[VALID.index("[[set]]") : VALID.index("[[expect]]")]
 WHEN, FROM = "[[expect]]\nwhen", "[[expect]]\nfrom"
@@ -220,17 +220,8 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
 def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
     old, new, key, parts, *named_line = MISTAKES[name]
     assert VALID.count(old) == 1
-    text = VALID.replace(old, new)
-    line = text[: text.index(named_line[0]) if named_line else VALID.index(old)].count("\n") + 1
-    file = tmp_path / "scenario.toml"
-    file.write_text(text, "utf-8")
-    with pytest.raises(UserError) as error:
-        load_scenario(file)
-    message = str(error.value)
-    assert message.startswith(f"{file}:{line}: {key}: ")
-    for part in parts:
-        assert part in message.removeprefix(f"{file}:{line}: {key}: ")
-    assert "\n" not in message
+    at = named_line[0] if named_line else VALID[: VALID.index(old)].count("\n") + 1
+    assert_refused(VALID.replace(old, new), tmp_path, at, key, *parts)
 
 
 def test_without_a_mistake_it_is_read(tmp_path: Path) -> None:
@@ -346,18 +337,7 @@ def test_a_file_of_four_times_the_length_takes_four_times_the_work(kind: str) ->
 
     def work(count: int) -> int:
         text = head + begin + "".join(each.format(i=i + 1) for i in range(count)) + end
-        calls = 0
-
-        def called(*_: object) -> None:
-            nonlocal calls
-            calls += 1
-
-        sys.setprofile(called)
-        try:
-            read_scenario_text(text, Path("scenario.toml"))
-        finally:
-            sys.setprofile(None)
-        return calls
+        return calls(lambda: read_scenario_text(text, Path("scenario.toml")))
 
     work(1)
     assert work(400) < 4.5 * work(100)

@@ -29,6 +29,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
 from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
+from tests.support.scenario_texts import assert_refused
 from tests.support.verdicts import checks_of
 
 TEXT = """
@@ -249,21 +250,14 @@ def test_without_a_piece_there_is_little_to_show(tmp_path: Path) -> None:
     assert verdicts(scenario(tmp_path, "[cuts]\ncount = 0\n"), nothing) == skipped | {"number of pieces": ("0", True)}
 
 
-def test_the_outcome_shows_the_pieces(tmp_path: Path) -> None:
+def test_json_and_console_show_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     s = scenario(tmp_path)
     outcome = ScenarioOutcome(
         "f", "n", "t", "CutToLength", 0.01, compute_key_figures(s, run(s)), [], [], [], [], "r", None, "p"
     )
-    error = outcome.as_json()["production"]
-    assert [p["length"] for p in error["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
-    assert (error["cuts"], error["skipped"], error["late"]) == (4, 1, 0)
-
-
-def test_the_console_shows_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    s = scenario(tmp_path)
-    outcome = ScenarioOutcome(
-        "f", "n", "t", "CutToLength", 0.01, compute_key_figures(s, run(s)), [], [], [], [], "r", None, "p"
-    )
+    production = outcome.as_json()["production"]
+    assert [p["length"] for p in production["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
+    assert (production["cuts"], production["skipped"], production["late"]) == (4, 1, 0)
     print_result(outcome, verbose=False)
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     begin = next(i for i, line in enumerate(lines) if line.startswith("made "))
@@ -400,11 +394,7 @@ def test_the_table_is_read(tmp_path: Path) -> None:
 def test_a_mistake_in_the_table_is_reported_with_its_line(
     line: str, key: str, parts: tuple[str, ...], tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError) as error:
-        scenario(tmp_path, f"[cuts]\n{line}\n")
-    assert str(error.value).startswith(f"{tmp_path / 'scenario.toml'}:{TEXT.count(chr(10)) + 2}: {key}: ")
-    for part in parts:
-        assert part in str(error.value)
+    assert_refused(f"{TEXT}[cuts]\n{line}\n", tmp_path, line, key, *parts)
 
 
 def test_where_positions_are_no_lengths_the_tolerance_has_to_be_given(tmp_path: Path) -> None:

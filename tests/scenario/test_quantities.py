@@ -1,5 +1,6 @@
 """Numbers with a unit in scenario files, and in `set` of a run."""
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -95,12 +96,6 @@ def test_a_wrong_value_of_set_is_named(value: str, message: str) -> None:
 
 
 def test_a_file_with_units_takes_other_values() -> None:
-    scenario = load(make(TEXT), set={"master.velocity": 500.0, "set.0.at": "0.2 s"})
+    scenario = load(tomllib.loads(TEXT), set={"master.velocity": 500.0, "set.0.at": "0.2 s"})
     assert scenario.master.at(0.0).velocity == 500.0
     assert scenario.settings[0].at == 0.2
-
-
-def make(text: str) -> dict[str, Any]:
-    import tomllib  # noqa: PLC0415
-
-    return tomllib.loads(text)

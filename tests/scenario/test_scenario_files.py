@@ -35,6 +35,7 @@ from motionsync_fmu.scenario.run import simulation
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps, simulate
 from tests import ROOT, regenerate
+from tests.support.calls import calls
 from tests.support.fmus import Fmus
 from tests.support.recordings import assert_same, run_compiled
 from tests.support.scenario_texts import SEGMENTS, VALID
@@ -197,22 +198,6 @@ def many(folder: Path, count: int) -> Path:
     file = folder / f"{count}.toml"
     file.write_text(MANY + "".join(tables), "utf-8")
     return file
-
-
-def calls(action: Callable[[], object]) -> int:
-    """How many functions of Python an action calls."""
-    result = 0
-
-    def see(frame: object, event: str, arg: object) -> None:
-        nonlocal result
-        result += event == "call"
-
-    sys.setprofile(see)
-    try:
-        action()
-    finally:
-        sys.setprofile(None)
-    return result
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,6 @@ def test_a_run_that_differs_from_its_reference_fails(tmp_path: Path) -> None:
     scenario = written(replaced(GEARED, "= 0\n", "= 1\n") + UNTIL, tmp_path)
     assert outcome_of(scenario).passed
     (tmp_path / "Gearing_ref.csv").write_text('"time","slave.velocity"\n0,0\n1,17\n2,100\n')
-    (tmp_path / "Gearing_ref.opt").write_text("StartTime, 0.0\nStopTime, 2.0\nStepSize, 1.0\nRelTol, 1e-9\n")
     outcome = outcome_of(scenario)
     assert not outcome.passed
     assert [check.text.partition(":")[0] for check in outcome.failed] == ["slave.velocity"]

@@ -157,7 +157,6 @@ def test_the_end_of_a_turn_in_a_reference_is_no_jump(actual: float, greatest: fl
     """At 1 s the reference has 360 before the end of a turn and 0 after it: not each value in between agrees."""
     scenario = geared(tmp_path)
     (tmp_path / "Gearing_ref.csv").write_text('"time","slave.position"\n0,270\n1,360\n1,0\n2,90\n')
-    (tmp_path / "Gearing_ref.opt").write_text("StartTime, 0.0\nStopTime, 2.0\nStepSize, 1.0\nRelTol, 1e-9\n")
     (deviation,) = compare_with_reference(scenario, recording_at(np.array([270.0, actual, 90.0])))
     assert deviation.greatest == pytest.approx(greatest, abs=1e-9)
 

@@ -52,7 +52,9 @@ class Part:
 
 @dataclass(slots=True)
 class Longer(Part):
-    y: float = var.local(-0.0, "more")
+    y: float = var.parameter(-0.0, "more", tunable=True, min=-2.0, below=1.5, smallest=0.25)
+    turn: Way = var.parameter(Way.NONE, "a direction", tunable=True)
+    number: int = var.parameter(1, "a whole number", tunable=True, min=-1)
 
 
 @dataclass(slots=True)
@@ -67,6 +69,7 @@ class Programs:
     part: Part = var.part(Part)
     other: Part = var.part(Part)
     longer: Longer = var.part(Longer)
+    stored: Longer = var.part(Longer)
     values: list[float] = var.ring(SIZE)
     x: float = 0.0
     y: float = 0.0
@@ -225,6 +228,7 @@ class Writer:
             "if": lambda: f"(({e()}) if {self.bool_expression(depth - 1)} else ({e()}))",
             "bool": lambda: f"({self.bool_expression(0)} + int({self.bool_expression(0)}))",
             "whole": lambda: self.whole(x()),
+            "first invalid": lambda: "var.first_invalid(self.longer)",
         }
         return str(forms[self.pick(list(forms))]())
 
@@ -255,7 +259,9 @@ class Writer:
             "ways": lambda: f"({self.leaf('way')} {self.pick(['==', '!='])} {self.leaf('way')})",
             "among": lambda: f"({self.leaf('way')} in ({self.leaf('way')}, Way.UP))",
             "isfinite": lambda: f"isfinite({x()})",
-            "same": lambda: f"var.same({self.pick(['self.part', 'self.other'])}, self.other)",
+            "same": lambda: (
+                f"var.same({self.pick(['self.part', 'self.other'])}, {self.pick(['self.other', 'self.longer'])})"
+            ),
         }
         return str(forms[self.pick(list(forms))]())
 
@@ -340,7 +346,8 @@ class Writer:
         call = self.pick(["self.part.add", "self.longer.add", "self.other.add"])
         line = f"{result} = {call}({self.expression('float', 2)})"
         self.locals["float"].append(result)
-        return [line, self.pick(["var.copy(self.other, self.part)", "self.i = self.count_call()"])]
+        copies = ["var.copy(self.other, self.part)", "var.copy_valid(self.stored, self.longer)"]
+        return [line, self.pick([*copies, "self.i = self.count_call()"])]
 
     def unpacked(self) -> list[str]:
         if self.pick([True, False]):
@@ -363,7 +370,9 @@ class Writer:
             values = self.new_name("v")
             return [f"{values} = self.part.values", f"{values}[{self.small()}] += {self.expression('float', 1)}"]
         part = self.new_name("p")
-        return [f"{part} = self.longer", f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
+        changes = [f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
+        changes += [f"{part}.number = {self.leaf('int')}", f"{part}.turn = {self.leaf('way')}"]
+        return [f"{part} = self.longer", self.pick(changes)]
 
     def again(self) -> list[str]:
         """Elements with the same index, which may change in between."""

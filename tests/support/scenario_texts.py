@@ -109,13 +109,22 @@ def write_scenario(text: str, folder: Path) -> Path:
     return file
 
 
+def assert_refused(text: str, folder: Path, at: int | str, key: str, *parts: str) -> None:
+    """Check that a scenario with this text is refused by one line that has file, line, key and these words.
+
+    `at`: the number of the line, or a text that begins on it."""
+    file = write_scenario(text, folder)
+    line = at if isinstance(at, int) else text[: text.index(at)].count("\n") + 1
+    with pytest.raises(UserError) as error:
+        load_scenario(file)
+    place, message = f"{file}:{line}: {key}: ", str(error.value)
+    assert message.startswith(place)
+    assert [part for part in parts if part not in message.removeprefix(place)] == []
+    assert "\n" not in message
+
+
 def check_mistake(table: str, text: str, key: str, why: str, folder: Path) -> None:
     """Check that a free saw with this text in a table is refused by one line with the key's place, and why."""
     whole = f"{FREE_SAW}[{table}]\n{text}\n"
-    with pytest.raises(UserError) as error:
-        load_scenario(write_scenario(whole, folder))
-    at = next((n for n, line in enumerate(whole.split("\n"), 1) if line.startswith(f"{key} =")), None)
-    line = at or whole[: whole.index(f"[{table}]")].count("\n") + 1
-    assert str(error.value).startswith(f"{folder / 'scenario.toml'}:{line}: {key}: ")
-    assert why in str(error.value)
-    assert "\n" not in str(error.value)
+    at = next((n for n, line in enumerate(whole.split("\n"), 1) if line.startswith(f"{key} =")), f"[{table}]")
+    assert_refused(whole, folder, at, key, why)

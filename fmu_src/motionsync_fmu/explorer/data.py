@@ -15,11 +15,8 @@ from ..batch.script_tables import block_memory
 from ..batch.simulation import limits
 from ..errors import UserError
 from ..interface.recipe import Recipe
-from ..interface.roles import piece_variables
-from ..interface.units import unit_name
-from ..interface.variables import Variable, summary
-from ..pages.machine.description import pictures_of
-from ..pages.style import typeset
+from ..interface.variables import summary
+from ..pages.machine.block_json import block_json, plain_values, units_of, variable_json
 from ..scenario import clocks
 from ..scenario.encoder import Encoder
 from ..scenario.files import encoder_table
@@ -38,7 +35,6 @@ from .opening import opening_of
 SCALARS = ("title", "source", "unit", "slave_unit", "stop_time", "step_size", "step_bound")
 EXPECTED = ("count", "skipped", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
 SCRIPT = ("position", "velocity", "acceleration", "segments")  # keys of [master] and of [remote]
-MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
 
 
 def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, Any]:
@@ -51,26 +47,21 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
     recipe = Recipe(name)
     declared = recipe.variables.values()
     memory, ranges = block_memory(recipe), sorted({limits(v) for v in declared if v.checked})
-    names_of_pieces = piece_variables(declared)
     names = _names(scenarios)
-    return {
+    return block_json(recipe, scenarios) | {
         "name": name,
         "version": __version__,
         "home": HOME,
         "summary": summary(type(recipe.block())),
         "variables": [
-            _variable(v)
+            variable_json(v)
             | {"offset": memory.fields[v.name].offset}
             | ({"limit": ranges.index(limits(v))} if v.checked else {})
             for v in declared
         ],
         "runner": _runner() | {"limits": ranges},
-        "roles": {v.declaration.role.name: v.name for v in declared if v.declaration.role},
-        "piece_variables": asdict(names_of_pieces) if names_of_pieces else None,
-        "pictures": pictures_of(recipe),
         "shaded": load_example(name).picture.shaded,
         "main": opening_of(name).main,
-        "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
         "normals": _normals(scenarios),
         "ideal_encoder": asdict(Encoder()),
         "scenarios": [_scenario(s, n, fmu) for s, n in zip(scenarios, names, strict=True)],
@@ -113,32 +104,6 @@ def _runner() -> dict[str, Any]:
     }
 
 
-def _variable(v: Variable) -> dict[str, Any]:
-    d = v.declaration
-    row: dict[str, Any] = {name: getattr(v, name) for name in ("name", "kind", "causality", "variability")}
-    row |= {
-        "unit": d.unit.name,
-        "description": d.description,
-        "choices": [[int(m), m.name, m.description] for m in v.choices],
-    }
-    if v.settable:
-        low, high = max(d.min, d.above), min(d.max, d.below)
-        row |= {"start": plain(v.start), "range": v.allowed_range if v.kind != "Boolean" else ""}
-        row |= {"command": True} if d.command else {}
-        row |= {"min": low} if abs(low) < MOST else {}
-        row |= {"max": high} if abs(high) < MOST else {}
-    return row
-
-
-def _units_of(s: Scenario) -> str:
-    return f"{s.unit} {s.slave_unit}".strip()
-
-
-def _unit_names(s: Scenario, declared: Iterable[Variable]) -> dict[str, str]:
-    kinds = {v.declaration.unit for v in declared}
-    return {kind.name: typeset(unit_name(kind, s.unit, s.slave_unit)) for kind in sorted(kinds, key=lambda k: k.name)}
-
-
 def _names(scenarios: Iterable[Scenario]) -> list[str]:
     """The names of the scenarios' folders or files; the second one of a name has a 2 behind it."""
     names = [s.name if s.file.name == SCENARIO_FILE else s.file.stem for s in scenarios]
@@ -154,7 +119,7 @@ def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
         recording = None
     return {key: getattr(s, key) for key in SCALARS} | {
         "name": name,
-        "units": _units_of(s),
+        "units": units_of(s),
         "interface": raw.get("interface", {}),
         "start": plain_values({variable: s.start[variable] for variable in raw.get("start", {})}),
         "axis": _recorded(s) if s.is_recorded else {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
@@ -226,12 +191,3 @@ def _reaction(r: Reaction, table: Mapping[str, Any]) -> dict[str, Any]:
         "times": r.times,
         "required": r.required,
     }
-
-
-def plain_values(values: Mapping[str, Any]) -> dict[str, float | int]:
-    return {name: plain(value) for name, value in values.items()}
-
-
-def plain(value: Any) -> float | int:
-    """A number, of a Boolean or a member of an enumeration, too."""
-    return int(value) if isinstance(value, int) else float(value)

@@ -632,12 +632,6 @@ async function showExport() {
 
 // --- all together ---
 
-/** A part of the page that is packed: base64 of raw deflate. */
-async function unpacked(id) {
-  const bytes = Uint8Array.from(atob($(id).textContent), (c) => c.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
-}
-
 function wire() {
   const renew = () => {
     $("unread").textContent = "";
@@ -668,9 +662,9 @@ function wire() {
 }
 
 async function begin() {
-  block = JSON.parse(new TextDecoder().decode(await unpacked("data")));
+  block = await unpackedJson($("data").textContent);
   variables = new Map(block.variables.map((v) => [v.name, v]));
-  unit = await Unit.of(await unpacked("code"), block.variables, block.runner);
+  unit = await Unit.of(await unpacked($("code").textContent), block.variables, block.runner);
   plots = new Plots($("plots"), block, point);
   const names = block.scenarios.map((s) => newElement("option", {value: s.name, title: s.title}, s.name.replaceAll("_", " ")));
   $("scenario").append(...names, ...(own() ? [newElement("option", {value: PROGRAM}, own().title)] : []));
@@ -687,7 +681,6 @@ async function begin() {
     shown: () => course,
     address,
     fingerprint: (one) => fingerprint(one, outputs()),
-    scene: (one) => sceneOf(one, block),
     plots: () => plots.drawn.map(({plot}) => plot),
   };
   document.documentElement.dataset.ready = "true";

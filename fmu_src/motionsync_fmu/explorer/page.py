@@ -1,7 +1,5 @@
 """The page on which a block is explored: one file that holds the block as WebAssembly, its scenarios and all else."""
 
-import base64
-import json
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
@@ -10,11 +8,11 @@ from markupsafe import Markup
 
 from ..batch.library import BATCH_FOLDER
 from ..fmus.guid import compute_guid
-from ..fmus.zip import deflated
 from ..interface.recipe import Recipe
 from ..native.unit_sources import c_names, c_sources
 from ..native.wasm.component import core_module
 from ..pages.machine.fragment import live_machine
+from ..pages.packed import packed, packed_json
 from ..pages.style import load_template
 from ..paths import replace_file
 from ..scenario.files.example import load_example
@@ -34,9 +32,11 @@ RUNNER = (
 )  # the runner of scenarios, in the folder of batches
 UNUSED = ("fmi", "memory")  # how the names of C files start that a page does not need
 SCRIPTS = (
+    "../pages/packed.js",
+    "../pages/machine/machine_data.js",
+    "remote_errors.js",
     "tables.js",
     "run.js",
-    "machine_data.js",
     "measured_line.js",
     "scenario_file.js",
     "programs.js",
@@ -74,10 +74,9 @@ def write_page(
     data = page_data(name, scenarios, fmu)
     progress("compiling to WebAssembly")
     code = _compile(recipe)
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     page = load_template(FOLDER, "explore.html.j2").render(
         data=data,
-        packed={"data": _packed(text.encode()), "code": _packed(code)},
+        packed={"data": packed_json(data), "code": packed(code)},
         machine=live_machine(),
         style=Markup(_text(FOLDER / "explore.css") + _text(VENDOR / "uPlot.min.css")),
         bundle=Markup(_text(VENDOR / "uPlot.iife.min.js")),
@@ -93,10 +92,6 @@ def _compile(recipe: Recipe) -> bytes:
     unit = {name: text for name, text in sources.items() if not name.startswith(UNUSED)}
     runner = {file.name: file.read_bytes() for file in (FOLDER / "web.c", *(BATCH_FOLDER / name for name in RUNNER))}
     return core_module(unit | runner, c_names(unit | runner))
-
-
-def _packed(data: bytes) -> str:
-    return base64.b64encode(deflated(data)).decode()
 
 
 @cache

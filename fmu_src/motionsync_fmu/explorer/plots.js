@@ -60,20 +60,19 @@ function againstPosition(block, cuts) {
 
 /** Of a remote axis: how far it is off, since its position and the slave's look alike. */
 function remotePlots(of) {
-  const errors = (course) => (course.errors ??= errorsOf(course));
   const late = (values) => [null, ...values];
   return [
     {
       label: "off by",
       unit: "POSITION",
       names: {slave: "slave", other: "telegram"},
-      columns: (course) => ({slave: late(errors(course).corrected_position), other: late(errors(course).position)}),
+      columns: (course) => ({slave: late(course.errors.corrected_position), other: late(course.errors.position)}),
     },
     {
       label: "index off by",
       unit: "NONE",
       names: {slave: "slave", other: "telegram"},
-      columns: (course) => ({slave: late(errors(course).corrected_index), other: late(errors(course).index)}),
+      columns: (course) => ({slave: late(course.errors.corrected_index), other: late(course.errors.index)}),
     },
     of("slave.velocity", (course) => course.axis(1)),
     of("slave.acceleration", (course) => course.axis(2)),

@@ -94,6 +94,11 @@ class Course {
   axis(order) {
     return (this.axes[order] ??= this.time.map((_, k) => this.storage[this.count + 4 * k + order]));
   }
+
+  /** Of a remote axis: how far telegrams and slave are from the truth. */
+  get errors() {
+    return (this.errorsOnce ??= errorsOf(this));
+  }
 }
 
 /**

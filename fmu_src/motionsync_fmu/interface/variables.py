@@ -100,11 +100,8 @@ class Variable:
             return value in self.cell.choices
         if self.cell.type is bool:
             return True
-        d = self.declaration
-        if self.cell.type is int and not LEAST_INTEGER <= value <= GREATEST_INTEGER:
-            return False
-        fits = -inf < value < inf and d.min <= value <= d.max and d.above < value < d.below
-        return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
+        fits = self.cell.type is not int or LEAST_INTEGER <= value <= GREATEST_INTEGER
+        return fits and self.declaration.allows(value)
 
     def text(self, value: float) -> str:
         """A value as people read it: an enumeration's member by name, true or false, a number with ten digits."""
@@ -262,7 +259,7 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
     `overrides`: the causality of each variable that has another one than the block declares, by name."""
     depends, periods = (declared_of_parts(block, key) for key in ("depends", "periods"))
     overrides = overrides or {}
-    return [
+    result = [
         Variable(
             c,
             c.declaration.of_real_input() if c.type is float and overrides.get(c.name) == "input" else c.declaration,
@@ -274,3 +271,6 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
         for c in cells(block)
         if c.declaration
     ]
+    tunables = enumerate((v for v in result if v.declaration.tunable), 1)
+    ranges = {number: (v.name, v.allowed_range) for number, v in tunables if v.kind != "Boolean"}
+    return [replace(v, declaration=v.declaration.with_parameters(ranges)) for v in result]

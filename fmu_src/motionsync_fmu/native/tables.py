@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from itertools import pairwise
-from math import inf, isinf, nextafter
+from math import isinf
 from pathlib import Path
 from typing import Any
 
@@ -140,10 +140,9 @@ def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
 def _range(v: Variable, pool: Pool) -> Row:
     """The allowed values; a limit that is not allowed itself is replaced by the number next to it."""
     d = v.declaration
-    low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
-    smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
+    low, high = d.ends
     choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
-    return number(low), number(high), number(smallest), literal(d.zero), choices, pool.text(v.allowed_range)
+    return number(low), number(high), number(d.least_magnitude), literal(d.zero), choices, pool.text(v.allowed_range)
 
 
 def _time(pool: Pool) -> Row:

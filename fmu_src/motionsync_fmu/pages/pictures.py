@@ -19,7 +19,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
 from PIL import Image
 
 from motionsync.blocks import BLOCKS
@@ -39,7 +38,6 @@ from ..scenario.run.simulation import run_in_process
 from ..scenario.scenario import Scenario
 from .compact import compact
 from .numbers import jumps
-from .smooth_path import smooth_path
 from .style import MASTER, SLAVE, typeset
 
 STYLE: Any = {  # the same picture at every build
@@ -289,14 +287,7 @@ def _stretches(panel: Panel) -> Iterator[tuple[float, float]]:
 
 def _plot(axes: Axes, panel: Panel) -> None:
     for curve in panel.curves:
-        line: Any = {
-            "edgecolor": curve.colour,
-            "linewidth": curve.width,
-            "capstyle": "projecting",
-            "joinstyle": "round",
-        }
-        axes.add_patch(PathPatch(smooth_path(panel.time, curve.values), fill=False, **line))
-    axes.autoscale_view()
+        axes.plot(panel.time, curve.values, color=curve.colour, linewidth=curve.width)
 
 
 def main() -> None:

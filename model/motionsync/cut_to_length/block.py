@@ -7,35 +7,33 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, NoLength, PieceFault
+from ..cutting.faults import MarkRefusal, PieceFault
 from ..cutting.instants import NEVER, due_instant
-from ..cutting.interface import Source, StartMode
+from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
-from ..cutting.outputs import show_line_request, show_orders
-from ..cutting.pieces import record_piece
+from ..cutting.outputs import show_line_request, show_marks, show_queues, show_skipped_cut
+from ..cutting.pieces import record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
 from ..motion.exceeded_limit import ExceededLimit
 from ..numerics.cosine import cosine
-from ..numerics.grid import wrap
 from .blade import Blade, stage_end
 from .carriage import Carriage, Stage
 from .carriage_curve import can_open_gap
 from .cycle_reserve import CycleReserve
-from .faults import Fault, Refusal, SawParameter, SkipReason
+from .faults import Fault, Refusal, SkipReason
 from .homing_motion import is_accelerating
 from .instants import Condition, first_instant, has_reached_start
 from .interface import CutToLengthInterface, ToolMode
-from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
+from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, skip_late_cuts
 from .machine_limits import approach_distance, lead
-from .outputs import show_piece, show_state, show_warnings
+from .outputs import show_cut, show_saw_warnings, show_state
 from .pieces import fix_piece, update_piece
 from .predictions import Predictions
-from .settings import MachineSettings, start_refusal
+from .settings import MachineSettings, refused_parameter, start_refusal
 
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
-MOST_PITCHES = 1e4  # that the master may travel in one step
 MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 
 
@@ -81,28 +79,20 @@ class CutToLength(CutToLengthInterface):
         self.cosine = cosine(self.diagonal_angle)
         self.carriage.homing.rest_at(self.axis.initial_position)
         self.carriage.stage_clock.start(LONG_AGO)
-        self.operation.take_levels(self.start, self.stop, self.abort, self.reset, self.cut_now)
+        self.operation.take_levels(self)
         self.blade.done_edge.take_level(self.tool.done)
-        self.operation.pieces.take_levels(
-            self.take_sample, self.clear_statistics, self.mark.detected, self.order, self.calibration
-        )
-        self.read_demand()
+        self.material.demand.read(self)
         self.update_settings()
         self.show_motion()
         return Refusal.NONE
 
-    def read_demand(self) -> None:
-        self.material.demand.set(self.source, self.length, self.length_correction, self.waste, self.order.repeat)
-
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = 0.0
-        if self.running or self.operation.is_started_now(self.start, self.auto_start):
-            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
+        longest = self.operation.longest_travel(self, self.material, self.predictions.pitch_orders)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
-        self.read_demand()
+        self.material.demand.read(self)
         self.local.skip_reason = SkipReason.NONE
         self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
@@ -128,12 +118,18 @@ class CutToLength(CutToLengthInterface):
 
     def check_settings(self) -> None:
         """Take over what was tuned, if it is valid."""
-        if not (self.settings.are_valid and self.settings.are_current(self, self.material.settings)):
+        if not self.are_settings_current():
             self.update_settings()
+
+    def are_settings_current(self) -> bool:
+        """Whether all tunable parameters are valid, and have been taken over."""
+        return self.settings.are_current(self) and self.material.settings.are_current(self)
 
     def update_settings(self) -> None:
         """Compute with the present parameters, as far as they are valid."""
-        self.settings.update(self, self.material.settings)
+        self.settings.take_over(self)
+        self.material.settings.take_over(self)
+        self.local.refused_parameter = refused_parameter(self)
         self.describe_machine()
 
     def describe_machine(self) -> None:
@@ -150,63 +146,44 @@ class CutToLength(CutToLengthInterface):
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
-        if self.operation.cut_now_edge.try_rise(self.cut_now):
-            self.operation.request_cut(self.running)
+        self.operation.try_request_cut(self)
         is_done = self.blade.done_edge.try_rise(self.tool.done)
         if is_done and self.carriage.stage == Stage.CUTTING and self.tool.mode == ToolMode.FEEDBACK:
             self.end_cut()
-        update_piece(self, self.operation, self.settings, self.material, self.carriage)
+        update_piece(self, self.operation, self.material, self.carriage)
         self.watch_ease()
 
     def obey_machine(self) -> None:
         """Carry out reset, abort, stop, start."""
         operation = self.operation
-        if operation.reset_edge.try_rise(self.reset):
-            operation.reset(self.carriage.stage == Stage.RESTING)
-        if operation.abort_edge.try_rise(self.abort) and self.running:
-            operation.stop()
+        operation.reset(self, self.carriage.stage == Stage.RESTING)
+        if operation.try_abort(self):
             self.leave_material()
-        if operation.stop_edge.try_rise(self.stop) and self.running:
-            self.command_stop()
-        is_automatic = self.auto_start and not operation.has_stepped
-        if operation.start_edge.try_rise(self.start) or is_automatic:
-            self.command_start()
+        if operation.try_stop(self):
+            self.finish_cut()
+        is_off = not self.running and self.carriage.stage == Stage.RESTING
+        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+            self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
-        commands = self.operation.pieces
         factor = self.calibration.factor
-        commands.obey_record_commands(self.clear_statistics, self.records, self.statistics)
-        commands.obey_calibration(self.calibration, self.last.length, self.settings.material_factor, self.material)
-        commands.obey_orders(self.order, self.take_sample, self.material)
+        self.operation.pieces.obey(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_machine()
 
-    def command_stop(self) -> None:
+    def finish_cut(self) -> None:
         """Finish the cut under way; without one move home, or stay there."""
-        self.operation.stop()
         if self.carriage.stage == Stage.WAITING:
             self.enter_resting()
         elif self.carriage.stage == Stage.RETURNING and self.carriage.homing.is_eased:
             self.enter_returning()
 
-    def command_start(self) -> None:
-        """Set the machine to work, if it is off and has what it needs."""
-        can_continue = self.start_mode != StartMode.CONTINUE or self.material.has_cut
-        is_off = not self.running and self.carriage.stage == Stage.RESTING and self.operation.fault == Fault.NONE
-        if not (is_off and can_continue):
-            self.operation.pieces.fault = PieceFault.START
-        elif not self.settings.can_start(self.material.settings):
-            self.operation.pieces.fault = PieceFault.TUNABLE
-        else:
-            self.operation.start()
-            self.set_to_work()
-
     def set_to_work(self) -> None:
         """Fix the first piece, and wait for its cut at home."""
         self.running = True
         self.reserve.reset()
-        front = self.material.settings.front_position / self.carriage.machine.coupling
+        front = self.material.settings.start.front_position / self.carriage.machine.coupling
         self.material.start(self.start_mode, self.master.begin, front)
         if self.carriage.homing.end == self.settings.home_position:
             self.carriage.enter_waiting()
@@ -217,19 +194,8 @@ class CutToLength(CutToLengthInterface):
 
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
-        detected = self.operation.pieces.mark.try_rise(self.mark.detected)
-        if not (self.running and self.source == Source.MARK):
-            return
-        master = self.master
-        self.material.watch_marks(
-            self.mark, detected, master.begin, master.begin_velocity, master.period, self.statistics
-        )
-        self.warning.mark_missing = self.material.is_mark_missing
-        self.warning.mark_outside = self.material.is_mark_outside
-        self.warning.mark_refused = self.material.is_mark_refused
-        self.local.mark_refusal = self.material.mark_refusal
-        if self.material.mark_refusal != MarkRefusal.NONE:
-            self.local.refused_mark = wrap(self.material.refused_mark, master.period)
+        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        show_marks(self, self.warning, self.local, self.material)
         if self.material.mark_fault != PieceFault.NONE:
             self.fail(self.material.mark_fault)
 
@@ -302,7 +268,7 @@ class CutToLength(CutToLengthInterface):
             return False
         if time == NEVER:
             return False
-        if self.settings.invalid != SawParameter.NONE:
+        if not (self.settings.are_current(self) and self.material.settings.has_cycle(self)):
             self.operation.pieces.fault = PieceFault.TUNABLE
             return False
         velocity = self.master.velocity_at(self.now)
@@ -441,7 +407,7 @@ class CutToLength(CutToLengthInterface):
         if is_crossed and not piece.waits_for_line():
             distance = approach_distance(machine, velocity)  # the same, without the rounding of positions
         earliest = cut_of_start(piece.end, self.carriage, self.master, self.now, lead(machine, velocity))
-        match decide_cut(self.settings.late_mode, piece, machine, velocity, distance, earliest):
+        match decide_cut(self.material.settings.cycle.late_mode, piece, machine, velocity, distance, earliest):
             case CutDecision.MAKE:
                 self.enter_approaching(distance, False)
             case CutDecision.MAKE_LATE:
@@ -450,7 +416,7 @@ class CutToLength(CutToLengthInterface):
                 self.enter_approaching(lead(machine, velocity), True)
             case CutDecision.SKIP:
                 distance = lead(machine, velocity)
-                show_skipped_cut(self, SkipReason.LATE, piece, self.carriage, self.now, distance)
+                self.show_skipped_cut(SkipReason.LATE, distance)
                 skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
             case CutDecision.STOP_LINE:
                 self.fail(PieceFault.CUT_MISSED)
@@ -471,12 +437,18 @@ class CutToLength(CutToLengthInterface):
         machine = self.carriage.machine
         velocity = self.master.velocity_at(self.now)
         distance = lead(machine, velocity)
-        reason = fast_line_reason(machine, velocity)
-        show_skipped_cut(self, reason, self.material.piece, self.carriage, self.now, distance)
+        self.show_skipped_cut(fast_line_reason(machine, velocity), distance)
         if self.source == Source.LENGTH:
             self.now = min(self.first(Condition.ADMISSIBLE, until), until)
             distance = approach_distance(machine, self.master.velocity_at(self.now))
         skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
+
+    def show_skipped_cut(self, reason: SkipReason, distance: float) -> None:
+        """Show that the next cut is skipped, and why; `distance`: the way that its approach would need, u."""
+        carriage = self.carriage
+        cut = self.material.piece.end
+        left = carriage.homing.end - carriage.machine.coupling * self.master.distance_beyond(cut, self.now)
+        show_skipped_cut(self.local, reason, self.master, cut, self.now, distance - left)
 
     def enter_approaching(self, distance: float, is_late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
@@ -494,22 +466,10 @@ class CutToLength(CutToLengthInterface):
 
     def end_cut(self) -> None:
         """The blade is through: the piece ends, and the next one starts."""
-        record_piece(
-            self.carriage.cut,
-            self.sync_time,
-            self.reserve.share,
-            self.material,
-            self.records,
-            self.last,
-            self.statistics,
-            self.order,
-        )
-        self.batch_count = self.records.batch_count
-        self.batches = self.records.batches
-        self.batch_done = self.records.is_batch_done
+        record_piece(self, self.material, self.records, self.carriage.cut, self.sync_time, self.reserve.share)
         self.warning.change_pending = False
         self.reserve.end_cut()
-        fix_piece(self.operation, self.settings, self.material)
+        fix_piece(self, self.operation, self.material)
         self.warning.gap_skipped = False
         velocity = self.master.velocity_at(self.now)
         cycle = self.carriage.cycle_machine
@@ -641,31 +601,23 @@ class CutToLength(CutToLengthInterface):
         """The setpoint, and what is predicted from the motion of the line."""
         self.set_slave()
         self.predictions.update(self, self.carriage.machine, self.material)
-        show_piece(self, self.carriage, self.material.piece)
-        show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
+        show_cut(self, self.carriage, self.material)
+        show_line_request(self, self.limits, self.operation, self.material.settings.line.margin)
 
     def show(self, before: float, h: float) -> None:
         """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         carriage = self.carriage
         material = self.material
-        show_state(self, carriage, self.operation.fault, self.operation.pieces.fault)
+        show_state(self, carriage, self.operation)
         if carriage.stage != Stage.CLEARING:
             self.blade.update(self.tool, carriage.cycle_machine.retract_time)
-        show_orders(self.order, material.orders)
-        self.local.marks_waiting = material.marks.waiting
-        show_warnings(self, carriage, self.exceeded, before, h)
+        show_queues(self, self.local, material, material.missing_length())
+        show_saw_warnings(self, carriage, self.exceeded, before, h)
         self.local.ease = carriage.homing.share
-        self.local.no_length = material.missing_length() if self.running else NoLength.NONE
-        self.local.refused_parameter = self.settings.refused_parameter(material.settings)
         self.clock = self.block_clock.time
 
     def rebase(self) -> None:
         """Drop the master's whole turns from all positions."""
-        if self.master.period > 0.0:
-            before = self.master.end
-            self.master.rebase()
-            turns = before - self.master.end
-            if turns != 0.0:
-                self.material.rebase(turns)
-                self.carriage.homing.eased_cut -= turns
-                self.carriage.cut -= turns
+        turns = try_drop_turns(self.master, self.material)
+        self.carriage.homing.eased_cut -= turns
+        self.carriage.cut -= turns

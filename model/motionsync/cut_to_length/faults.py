@@ -1,10 +1,10 @@
-"""Why a command is refused, why the machine stops, and which tuned parameter is out of its range.
+"""Why a command is refused, why the machine stops, and which tunable parameters contradict one another.
 
 The numbers are our own. An invalid parameter changes nothing by itself: no piece is fixed and no approach starts with
-it, a cycle under way ends with the values it began with, a command that reads it is refused.
+it, a cycle under way ends with the values it began with, a start is refused.
 """
 
-from ..cutting.faults import LONG_TRAVEL
+from ..cutting.faults import LONG_TRAVEL, MARK_WINDOW
 from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
@@ -12,7 +12,6 @@ END_POSITIONS = ("axis.min_position", "axis.max_position")
 START_POSITIONS = ("axis.initial_position", "axis.min_position", "axis.max_position")
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
 MOST_VELOCITY = ("limits.max_line_velocity",)
-FACTORS = ("material_factor", "calibration.factor")
 HOME_BETWEEN_ENDS = (
     "home_position must be between the software end positions",
     "home_position",
@@ -46,39 +45,13 @@ class Refusal(Enumeration):
     MASTER_TURNS = 1, *TOO_MANY_TURNS
     HOME = 2, *HOME_BETWEEN_ENDS
     INITIAL_POSITION = 3, "axis.initial_position must be between the software end positions", *START_POSITIONS
-    WINDOW = 4, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
+    WINDOW = 4, *MARK_WINDOW
     TRAVEL = 5, *LONG_TRAVEL
 
 
-class SawParameter(Enumeration):
-    """Which tuned parameter is out of its range"""
+class SawContradiction(Enumeration):
+    """Which tunable parameters contradict one another; 1 to 1000 are parameters out of their own ranges"""
 
-    # The other numbers are those of `PieceParameter`.
+    # The other numbers are those of `Contradiction`.
     NONE = 0, "none"
-    HOME_POSITION = 1, *HOME_BETWEEN_ENDS
-    MATERIAL_FACTOR = 2, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
-    MAX_VELOCITY = 3, "axis.max_velocity must be 1e-12 to 1e12", "axis.max_velocity"
-    MAX_ACCELERATION = 4, "axis.max_acceleration must be 1e-12 to 1e12", "axis.max_acceleration"
-    MAX_DECELERATION = 5, "axis.max_deceleration must be 0, or 1e-12 to 1e12", "axis.max_deceleration"
-    MAX_JERK = 6, "axis.max_jerk must be 1e-12 to 1e12", "axis.max_jerk"
-    APPROACH_DISTANCE = 7, "approach.distance must be 0 to 1e12", "approach.distance"
-    APPROACH_RESERVE = 8, "approach.reserve must be 0 to 1e6", "approach.reserve"
-    APPROACH_ACCELERATION = 9, "approach.acceleration must be 0, or 1e-12 to 1e12", "approach.acceleration"
-    APPROACH_JERK = 10, "approach.jerk must be 0, or 1e-12 to 1e12", "approach.jerk"
-    HOMING_VELOCITY = 11, "homing.velocity must be 0, or 1e-12 to 1e12", "homing.velocity"
-    HOMING_ACCELERATION = 12, "homing.acceleration must be 0, or 1e-12 to 1e12", "homing.acceleration"
-    HOMING_DECELERATION = 13, "homing.deceleration must be 0, or 1e-12 to 1e12", "homing.deceleration"
-    HOMING_JERK = 14, "homing.jerk must be 0, or 1e-12 to 1e12", "homing.jerk"
-    HOMING_SETTLE_TIME = 15, "homing.settle_time must be 0 to 1e6 s", "homing.settle_time"
-    HOMING_SPARE_TIME = 16, "homing.spare_time must be 0 to 1e6 s", "homing.spare_time"
-    HOMING_SLOWEST = 17, "homing.slowest must be above 0 and at most 1", "homing.slowest"
-    SETTLE_TIME = 18, "tool.settle_time must be 0 to 1e6 s", "tool.settle_time"
-    ON_DELAY = 19, "tool.on_delay must be 0 to 1e6 s", "tool.on_delay"
-    CUT_TIME = 20, "tool.cut_time must be 0 to 1e6 s", "tool.cut_time"
-    CUT_DISTANCE = 21, "tool.cut_distance must be 0 to 1e12", "tool.cut_distance"
-    RETRACT_TIME = 22, "tool.retract_time must be 0 to 1e6 s", "tool.retract_time"
-    TIMEOUT = 23, "tool.timeout must be 0 to 1e6 s", "tool.timeout"
-    GAP_DISTANCE = 24, "gap.distance must be 0 to 1e12", "gap.distance"
-    GAP_TRAVEL = 25, "gap.travel must be 1e-12 to 1e12", "gap.travel"
-    MARGIN = 40, "line.margin must be at least 0 and below 1", "line.margin"
-    LATE_MODE = 43, "late_mode must be 1, 2 or 3", "late_mode"
+    HOME = 1003, *HOME_BETWEEN_ENDS

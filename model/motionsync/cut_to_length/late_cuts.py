@@ -3,13 +3,11 @@
 from ..cutting.interface import LateMode, Source, Statistics
 from ..cutting.material import Material
 from ..cutting.piece import PieceInProgress
-from ..cutting.records import increased
 from ..master import Master
-from ..numerics.grid import floor, wrap
+from ..numerics.grid import floor
 from ..var import Enumeration
 from .carriage import Carriage
 from .faults import SkipReason
-from .interface import CutToLengthInterface
 from .machine_limits import Machine, is_admissible, lead
 
 IN_TIME = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
@@ -51,23 +49,6 @@ def cut_of_start(cut: float, carriage: Carriage, master: Master, now: float, dis
     return cut + (master.distance_beyond(cut, now) - start)
 
 
-def show_skipped_cut(
-    block: CutToLengthInterface,
-    reason: SkipReason,
-    piece: PieceInProgress,
-    carriage: Carriage,
-    now: float,
-    distance: float,
-) -> None:
-    """Show that the next cut is skipped, and why; `distance`: the way that its approach would need, u."""
-    local = block.local
-    local.skip_reason = reason
-    local.skipped_cut = wrap(piece.end, block.master.period)
-    beyond_cut = block.master.distance_beyond(piece.end, now)
-    local.missing_distance = distance - (carriage.homing.end - carriage.machine.coupling * beyond_cut)
-    local.line_velocity = block.master.velocity_at(now)
-
-
 def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
     """Why a line velocity, u/s, is not admissible."""
     return SkipReason.VELOCITY if machine.coupling * velocity > machine.max_velocity else SkipReason.STROKE
@@ -81,8 +62,7 @@ def skip_late_cuts(
     start = carriage.homing.end - distance
     if material.demand.source == Source.MARK:
         for _ in range(material.marks.waiting):
-            material.marks.drop()
-            statistics.skipped = increased(statistics.skipped, 1.0)
+            material.skip_mark(statistics)
             if material.marks.waiting > 0:
                 beyond_cut = master.distance_beyond(material.marks.position(0), now)
                 if k * beyond_cut <= carriage.homing.end - distance * IN_TIME:

@@ -10,26 +10,23 @@ from ..master import Master
 from .carriage import Carriage, Stage
 from .interface import CutToLengthInterface
 from .machine_limits import lead
-from .settings import MachineSettings
 
 
-def fix_piece(operation: Operation, settings: MachineSettings, material: Material) -> None:
+def fix_piece(block: CutToLengthInterface, operation: Operation, material: Material) -> None:
     """Fix the piece that starts at the last cut, if the settings are valid."""
-    if settings.can_fix(material.settings):
+    if material.settings.has_piece(block):
         material.fix_piece()
     else:
         operation.pieces.fault = PieceFault.TUNABLE
 
 
-def update_piece(
-    block: CutToLengthInterface, operation: Operation, settings: MachineSettings, material: Material, carriage: Carriage
-) -> None:
+def update_piece(block: CutToLengthInterface, operation: Operation, material: Material, carriage: Carriage) -> None:
     """Fix a piece that had no length, and one whose length has changed."""
     piece = material.piece
     if not block.running:
         block.warning.change_pending = False
     elif not piece.is_fixed:
-        if settings.can_fix(material.settings):
+        if material.settings.has_piece(block):
             material.fix_open_piece()
         else:
             operation.pieces.fault = PieceFault.TUNABLE
@@ -37,7 +34,7 @@ def update_piece(
         block.warning.change_pending = False
     elif piece.kind == PieceKind.PRODUCT:
         has_changed = material.has_changed()
-        can_fix = has_changed and settings.can_fix(material.settings)
+        can_fix = has_changed and material.settings.has_piece(block)
         can_change = can_fix and can_reach_changed_cut(block.master, material, carriage)
         block.warning.change_pending = has_changed and not can_change
         if can_change:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from .. import var
 from ..cutting.material import Material
 from ..cutting.piece import UNLIMITED
-from ..cutting.settings import PieceSettings
+from ..cutting.settings import CuttingSettings
 from .carriage import Carriage
 from .homing_motion import FASTER
 from .interface import CutToLengthInterface
@@ -55,7 +55,7 @@ class Predictions:
         if velocity > 0.0 and block.running and material.piece.pitch < UNLIMITED:
             block.limits.reserve = 1.0 - self.shortest_pitch / material.piece.pitch
 
-    def solve_cycle(self, block: CutToLengthInterface, machine: Machine, settings: PieceSettings) -> None:
+    def solve_cycle(self, block: CutToLengthInterface, machine: Machine, settings: CuttingSettings) -> None:
         """The cycle at the line velocity: what a piece and a sensor need."""
         velocity = self.velocity
         limits = block.limits
@@ -68,7 +68,7 @@ class Predictions:
             self.shortest_pitch = velocity * time
             limits.cycle_time = time
             limits.stroke = stroke
-            limits.min_length = max(settings.factor * self.shortest_pitch - settings.kerf - self.correction, 0.0)
+            limits.min_length = max(settings.factor * self.shortest_pitch - settings.piece.kerf - self.correction, 0.0)
         block.local.approach_distance = distance
         sensor = (distance - machine.home_position) / machine.coupling + max(velocity, 0.0) * settings.mark.delay
         limits.min_sensor_distance = max(settings.factor * sensor, 0.0)

@@ -6,7 +6,7 @@ from .. import var
 from ..numerics.computable_range import is_usable
 from ..slave import Edge
 from .faults import PieceFault
-from .interface import Calibration, Order, Statistics
+from .interface import Calibration, CuttingInterface, Order
 from .material import Material
 from .records import PieceRecords
 
@@ -27,34 +27,32 @@ class PieceCommands:
     clear_statistics: Edge = var.part(Edge)
     fault: int = 0
 
-    def take_levels(
-        self, take_sample: bool, clear_statistics: bool, mark: bool, order: Order, calibration: Calibration
-    ) -> None:
+    def take_levels(self, block: CuttingInterface) -> None:
         """Take the present levels of the commands as they are: the first value seen is no edge."""
-        self.take_sample.take_level(take_sample)
-        self.order_add.take_level(order.add)
-        self.order_skip.take_level(order.skip)
-        self.order_clear.take_level(order.clear)
-        self.mark.take_level(mark)
-        self.calibrate.take_level(calibration.execute)
-        self.calibration_reset.take_level(calibration.reset)
-        self.clear_statistics.take_level(clear_statistics)
+        self.take_sample.take_level(block.take_sample)
+        self.order_add.take_level(block.order.add)
+        self.order_skip.take_level(block.order.skip)
+        self.order_clear.take_level(block.order.clear)
+        self.mark.take_level(block.mark.detected)
+        self.calibrate.take_level(block.calibration.execute)
+        self.calibration_reset.take_level(block.calibration.reset)
+        self.clear_statistics.take_level(block.clear_statistics)
 
-    def obey_record_commands(self, clear_statistics: bool, records: PieceRecords, statistics: Statistics) -> None:
-        """Carry out clear_statistics."""
-        if self.clear_statistics.try_rise(clear_statistics):
+    def obey(self, block: CuttingInterface, records: PieceRecords, material: Material) -> None:
+        """Carry out the commands for statistics, calibration and orders."""
+        if self.clear_statistics.try_rise(block.clear_statistics):
             self.fault = PieceFault.NONE
-            records.clear(statistics)
+            records.clear(block.statistics)
+        self.obey_calibration(block.calibration, block.last.length, material)
+        self.obey_orders(block.order, block.take_sample, material)
 
-    def obey_calibration(self, calibration: Calibration, last_length: float, factor: float, material: Material) -> None:
-        """Carry out calibration.reset and calibration.execute: change the factor of calibration.
-
-        `factor`: true travel of the material per travel of the master, without calibration."""
+    def obey_calibration(self, calibration: Calibration, last_length: float, material: Material) -> None:
+        """Carry out calibration.reset and calibration.execute: change the factor of calibration."""
         if self.calibration_reset.try_rise(calibration.reset):
             self.fault = PieceFault.NONE
             calibration.factor = 1.0
         if self.calibrate.try_rise(calibration.execute):
-            calibrated = calibrated_factor(calibration, last_length, factor, material)
+            calibrated = calibrated_factor(calibration, last_length, material)
             self.fault = PieceFault.CALIBRATION
             if calibrated > 0.0:
                 self.fault = PieceFault.NONE
@@ -86,10 +84,9 @@ class PieceCommands:
             material.orders.append(order.length, float(order.quantity))
 
 
-def calibrated_factor(calibration: Calibration, last_length: float, factor: float, material: Material) -> float:
-    """The factor of calibration with which the last piece has the measured length; 0: there is none.
-
-    `factor`: true travel of the material per travel of the master, without calibration."""
+def calibrated_factor(calibration: Calibration, last_length: float, material: Material) -> float:
+    """The factor of calibration with which the last piece has the measured length; 0: there is none."""
+    factor = material.settings.cycle.material_factor
     cut = last_length + material.last_kerf + material.last_correction
     measured = calibration.measured_length
     if material.has_cut and measured > 0.0 and cut > 0.0:

@@ -5,6 +5,8 @@ from ..var import Enumeration
 REFUSED_MARK = ("local.refused_mark", "statistics.marks_refused", "mark.sensor_distance", "mark.cut_offset")
 NEXT_LENGTH = ("length", "order.length_active", "length_correction", "kerf")
 LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
+FACTORS = ("material_factor", "calibration.factor")
+MARK_WINDOW = ("mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window")
 LONG_TRAVEL = (  # a refusal's text and the variables it names
     "the master must not travel more than 1e4 of the shortest piece in one step; if its counter wraps there, set "
     "master.period",
@@ -25,6 +27,15 @@ class MarkRefusal(Enumeration):
         *REFUSED_MARK,
     )
     FAR = 2, "mark refused: its cut is more than 1e4 of mark.spacing ahead", *REFUSED_MARK, "mark.spacing"
+
+
+class Contradiction(Enumeration):
+    """Which tunable parameters contradict one another; 1 to 1000 are parameters out of their own ranges"""
+
+    # A machine has further ones, with numbers of its own: from 1003 on.
+    NONE = 0, "none"
+    MARK_WINDOW = 1001, *MARK_WINDOW
+    FACTOR = 1002, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
 
 
 class NoLength(Enumeration):

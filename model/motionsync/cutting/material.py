@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from .. import var
 from ..numerics.grid import floor, nearest_on_grid, rounding_tolerance
 from .faults import MarkRefusal, NoLength, PieceFault
-from .interface import Mark, PieceKind, Source, StartMode, Statistics
+from .interface import CuttingInterface, PieceKind, Source, StartMode, Statistics
 from .marks import MarkQueue
 from .orders import OrderQueue
 from .piece import CAPACITY, LEAST_LENGTH, NO_ORDER, UNLIMITED, PieceInProgress
 from .records import increased
-from .settings import PieceSettings
+from .settings import CuttingSettings
 
 FARTHEST_MARK = 1e4  # of the spacing of marks: a cut further ahead is none
 
@@ -36,12 +36,12 @@ class Demand:
     waste: bool = False
     repeat: bool = False
 
-    def set(self, source: Source, length: float, length_correction: float, waste: bool, repeat: bool) -> None:
-        self.source = source
-        self.length = length
-        self.length_correction = length_correction
-        self.waste = waste
-        self.repeat = repeat
+    def read(self, block: CuttingInterface) -> None:
+        self.source = block.source
+        self.length = block.length
+        self.length_correction = block.length_correction
+        self.waste = block.waste
+        self.repeat = block.order.repeat
 
     def correction(self) -> float:
         """The length correction, u; pieces between marks have none."""
@@ -62,7 +62,7 @@ class Material:
         queue_pitch: the least pitch of all that waits, with this allowance of kerf and correction, u, and this factor.
     """
 
-    settings: PieceSettings = var.part(PieceSettings, hidden=True)
+    settings: CuttingSettings = var.part(CuttingSettings, hidden=True)
     demand: Demand = var.part(Demand)
     piece: PieceInProgress = var.part(PieceInProgress)
     orders: OrderQueue = var.part(OrderQueue)
@@ -91,7 +91,7 @@ class Material:
         self.piece.begin = self.last_cut
         if start_mode != StartMode.CONTINUE:
             self.marks.clear()
-            self.piece.begin = master - (front + 0.5 * self.settings.kerf / self.settings.factor)
+            self.piece.begin = master - (front + 0.5 * self.settings.piece.kerf / self.settings.factor)
         if start_mode == StartMode.TRIM:
             self.fix_trim()
         else:
@@ -100,13 +100,13 @@ class Material:
     def measure_piece(self) -> None:
         """The piece is measured with the present settings."""
         self.piece.factor = self.settings.factor
-        self.piece.kerf = self.settings.kerf
+        self.piece.kerf = self.settings.piece.kerf
         self.piece.correction = self.demand.correction()
 
     def fix_trim(self) -> None:
         """The piece is what is cropped from the front end; its pitch is no limit for the line."""
         self.measure_piece()
-        self.piece.fix(PieceKind.TRIM, self.settings.trim_length, NO_ORDER)
+        self.piece.fix(PieceKind.TRIM, self.settings.start.trim_length, NO_ORDER)
         self.piece.pitch = UNLIMITED
 
     def fix_piece(self) -> None:
@@ -116,9 +116,9 @@ class Material:
         if self.demand.source == Source.MARK:
             self.fix_marked()
         elif self.demand.waste:
-            self.fix_length(PieceKind.WASTE, self.settings.waste_length, NO_ORDER)
+            self.fix_length(PieceKind.WASTE, self.settings.piece.waste_length, NO_ORDER)
         elif self.is_sample_pending:
-            self.fix_length(PieceKind.SAMPLE, self.settings.sample_length, NO_ORDER)
+            self.fix_length(PieceKind.SAMPLE, self.settings.piece.sample_length, NO_ORDER)
             self.is_sample_pending = not self.piece.is_fixed
         else:
             self.fix_product()
@@ -194,7 +194,7 @@ class Material:
             length != piece.ordered
             or order != piece.order
             or self.demand.length_correction != piece.correction
-            or self.settings.kerf != piece.kerf
+            or self.settings.piece.kerf != piece.kerf
             or self.settings.factor != piece.factor
         )
 
@@ -204,6 +204,11 @@ class Material:
         end = self.piece.end + number * self.piece.pitch
         self.piece.end = max(end, self.piece.end + rounding_tolerance(end, end))
         statistics.skipped = increased(statistics.skipped, number)
+
+    def skip_mark(self, statistics: Statistics) -> None:
+        """Leave out the cut at the next mark."""
+        self.marks.drop()
+        statistics.skipped = increased(statistics.skipped, 1.0)
 
     def end_piece(self, end: float) -> None:
         """The piece has been cut at this position; the next one starts, and is not fixed yet."""
@@ -219,24 +224,24 @@ class Material:
 
     # --- the marks ---
 
-    def watch_marks(
-        self, mark: Mark, detected: bool, master: float, velocity: float, period: float, statistics: Statistics
-    ) -> None:
+    def watch_marks(self, block: CuttingInterface, detected: bool) -> None:
         """Take a mark that the sensor has seen, and count those that should have come; `mark_fault` and `mark_refusal`
-        are the result.
-
-        The master has this position and velocity at the beginning of the step; `period` is that of its turns."""
+        are the result. The master is at the beginning of the step."""
         self.mark_fault = PieceFault.NONE
         self.mark_refusal = MarkRefusal.NONE
+        if not (block.running and self.demand.source == Source.MARK):
+            return
+        statistics = block.statistics
         settings = self.settings.mark
-        delayed = master - velocity * settings.delay
+        master = block.master.begin
+        delayed = master - block.master.begin_velocity * settings.delay
         position = delayed
-        if detected and mark.latched:
-            position = nearest_on_grid(mark.position, period, master)
+        if detected and settings.latched:
+            position = nearest_on_grid(block.mark.position, block.master.period, master)
         is_far = detected and self.is_far_ahead(position, master)
         is_expected = settings.spacing > 0.0 and settings.window > 0.0
         if is_expected:
-            self.count_missing_marks(position if detected and not is_far else delayed, mark.substitute, statistics)
+            self.count_missing_marks(position if detected and not is_far else delayed, settings.substitute, statistics)
         if detected and self.mark_fault == PieceFault.NONE:
             if is_far:
                 self.refuse_mark(MarkRefusal.FAR, position, statistics)
@@ -269,7 +274,7 @@ class Material:
         """Whether between the cut of a mark at a position and the cut before it a piece of some length is left."""
         waiting = self.marks.waiting
         before = self.marks.position(waiting - 1) if waiting > 0 else self.piece.begin
-        return self.settings.factor * (self.cut_of_mark(position) - before) - self.settings.kerf > LEAST_LENGTH
+        return self.settings.factor * (self.cut_of_mark(position) - before) - self.settings.piece.kerf > LEAST_LENGTH
 
     def cut_of_mark(self, position: float) -> float:
         """Where the cut of a mark at a position passes slave position 0."""
@@ -371,21 +376,21 @@ class Material:
     def expected_length(self, running: bool) -> float:
         """The length of the piece after the one in progress."""
         if self.demand.waste:
-            return self.settings.waste_length
+            return self.settings.piece.waste_length
         if self.is_sample_pending:
-            return self.settings.sample_length
+            return self.settings.piece.sample_length
         counts = running and self.piece.kind == PieceKind.PRODUCT
         index = self.orders.next_index(self.piece.order if counts else NO_ORDER, self.demand.repeat)
         return self.demand.length if index < 0 else self.orders.length(index)
 
     def pitch_of(self, length: float) -> float:
         """The pitch of a piece of that length; UNLIMITED: a piece cannot have it."""
-        material = length + self.demand.length_correction + self.settings.kerf
+        material = length + self.demand.length_correction + self.settings.piece.kerf
         return material / self.settings.factor if min(length, material) > LEAST_LENGTH else UNLIMITED
 
     def shortest_pitch(self) -> float:
         """The least pitch of all orders that wait, or of all marks; UNLIMITED without any."""
-        allowance = self.settings.kerf + self.demand.length_correction
+        allowance = self.settings.piece.kerf + self.demand.length_correction
         if (
             self.orders.has_changed
             or self.marks.has_changed

@@ -6,7 +6,10 @@ from .. import var
 from ..slave import Edge
 from .commands import PieceCommands
 from .faults import PieceFault
+from .interface import CuttingInterface, StartMode
 from .material import Material
+
+MOST_PITCHES = 1e4  # that the master may travel in one step
 
 
 @dataclass(slots=True)
@@ -32,43 +35,75 @@ class Operation:
     is_stopping: bool = False
     is_cut_pending: bool = False
 
-    def take_levels(self, start: bool, stop: bool, abort: bool, reset: bool, cut_now: bool) -> None:
-        """Take the present levels of the commands as they are: the first value seen is no edge."""
-        self.start_edge.take_level(start)
-        self.stop_edge.take_level(stop)
-        self.abort_edge.take_level(abort)
-        self.reset_edge.take_level(reset)
-        self.cut_now_edge.take_level(cut_now)
+    def take_levels(self, block: CuttingInterface) -> None:
+        """Take the present levels of all commands as they are: the first value seen is no edge."""
+        self.start_edge.take_level(block.start)
+        self.stop_edge.take_level(block.stop)
+        self.abort_edge.take_level(block.abort)
+        self.reset_edge.take_level(block.reset)
+        self.cut_now_edge.take_level(block.cut_now)
+        self.pieces.take_levels(block)
 
-    def is_started_now(self, start: bool, auto_start: bool) -> bool:
-        """Whether the command start comes in the present step; it may be refused."""
-        return (start and not self.start_edge.before) or (auto_start and not self.has_stepped)
+    def longest_travel(self, block: CuttingInterface, material: Material, shortest: float) -> float:
+        """How far the master may travel in the present step, u; 0: any distance.
 
-    def start(self) -> None:
-        """Accept the command start."""
-        self.pieces.fault = PieceFault.NONE
-        self.is_stopping = False
-        self.is_cut_pending = False
+        `shortest`: the least pitch of the piece in progress and of all that wait."""
+        is_started = (block.start and not self.start_edge.before) or (block.auto_start and not self.has_stepped)
+        return MOST_PITCHES * material.repeated_pitch(shortest, block.length) if block.running or is_started else 0.0
 
-    def stop(self) -> None:
-        """Accept the command stop or abort."""
-        self.pieces.fault = PieceFault.NONE
-        self.is_stopping = True
-        self.is_cut_pending = False
-
-    def reset(self, is_at_rest: bool) -> None:
-        """Clear what was refused, and the fault once the machine rests; in motion the command does nothing."""
-        if self.fault == PieceFault.NONE or is_at_rest:
+    def reset(self, block: CuttingInterface, is_at_rest: bool) -> None:
+        """Carry out reset: clear what was refused, and the fault once the machine rests; in motion it does nothing."""
+        if self.reset_edge.try_rise(block.reset) and (self.fault == PieceFault.NONE or is_at_rest):
             self.fault = PieceFault.NONE
             self.pieces.fault = PieceFault.NONE
 
-    def request_cut(self, running: bool) -> None:
-        """Store a cut_now until it can be carried out."""
-        if not running or self.is_stopping:
+    def try_abort(self, block: CuttingInterface) -> bool:
+        """Accept the command abort, if it comes and the machine runs."""
+        if self.abort_edge.try_rise(block.abort) and block.running:
+            self.accept(True)
+            return True
+        return False
+
+    def try_stop(self, block: CuttingInterface) -> bool:
+        """Accept the command stop, if it comes and the machine runs."""
+        if self.stop_edge.try_rise(block.stop) and block.running:
+            self.accept(True)
+            return True
+        return False
+
+    def try_start(self, block: CuttingInterface, material: Material, is_off: bool, are_valid: bool) -> bool:
+        """Accept the command start, if it comes, the machine is off, and it has what it needs; else that is refused.
+
+        `are_valid`: all tunable parameters are."""
+        is_automatic = block.auto_start and not self.has_stepped
+        if not (self.start_edge.try_rise(block.start) or is_automatic):
+            return False
+        can_continue = block.start_mode != StartMode.CONTINUE or material.has_cut
+        if not (is_off and self.fault == PieceFault.NONE and can_continue):
+            self.pieces.fault = PieceFault.START
+        elif not are_valid:
+            self.pieces.fault = PieceFault.TUNABLE
+        else:
+            self.accept(False)
+            return True
+        return False
+
+    def accept(self, is_stopping: bool) -> None:
+        """A command that starts or stops the machine is accepted."""
+        self.pieces.fault = PieceFault.NONE
+        self.is_stopping = is_stopping
+        self.is_cut_pending = False
+
+    def try_request_cut(self, block: CuttingInterface) -> bool:
+        """Store a cut_now, if it comes and the machine runs, until it can be carried out."""
+        if not self.cut_now_edge.try_rise(block.cut_now):
+            return False
+        self.pieces.fault = PieceFault.NONE
+        if not block.running or self.is_stopping:
             self.pieces.fault = PieceFault.CUT_NOW
         else:
-            self.pieces.fault = PieceFault.NONE
             self.is_cut_pending = True
+        return self.pieces.fault == PieceFault.NONE
 
     def try_take_cut(self, material: Material, cut: float, is_reachable: bool) -> bool:
         """Carry out the cut_now that waits: the piece ends at this position. It is refused if the cut cannot be reached

@@ -1,28 +1,36 @@
 """The pieces of a machine: whether one in progress has to be changed, and its record when it has been cut."""
 
-from .interface import ChangeMode, LastPiece, Order, Source, Statistics
+from ..master import Master
+from .interface import ChangeMode, CuttingInterface, Source
 from .material import Material
 from .records import PieceRecords, increased
 
 
 def can_change_pieces(material: Material) -> bool:
     """Whether a product in progress takes a new length."""
-    return material.demand.source == Source.LENGTH and material.settings.change_mode == ChangeMode.THIS_PIECE
+    return material.demand.source == Source.LENGTH and material.settings.piece.change_mode == ChangeMode.THIS_PIECE
 
 
 def record_piece(
-    cut: float,
-    time: float,
-    reserve: float,
-    material: Material,
-    records: PieceRecords,
-    last: LastPiece,
-    statistics: Statistics,
-    order: Order,
+    block: CuttingInterface, material: Material, records: PieceRecords, cut: float, time: float, reserve: float
 ) -> None:
     """Record the piece that ends with a cut at this position, u, which was made at this time of the block, s."""
-    records.record(material.piece, material.settings, cut, reserve, last, statistics)
-    last.time = time
-    if last.good and material.orders.try_complete(material.piece.order, material.demand.repeat):
-        order.completed = increased(order.completed, 1.0)
+    records.record(material.piece, material.settings.piece, cut, reserve, block.last, block.statistics)
+    block.last.time = time
+    block.batch_count = records.batch_count
+    block.batches = records.batches
+    block.batch_done = records.is_batch_done
+    if block.last.good and material.orders.try_complete(material.piece.order, material.demand.repeat):
+        block.order.completed = increased(block.order.completed, 1.0)
     material.end_piece(cut)
+
+
+def try_drop_turns(master: Master, material: Material) -> float:
+    """Drop the master's whole turns from its positions and those of the material; by how much these were reduced, u."""
+    before = master.end
+    if master.period > 0.0:
+        master.rebase()
+    turns = before - master.end
+    if turns != 0.0:
+        material.rebase(turns)
+    return turns

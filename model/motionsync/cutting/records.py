@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from .interface import LastPiece, PieceKind, Statistics
+from .interface import LastPiece, PieceKind, PieceParameters, Statistics
 from .piece import MOST, PieceInProgress
-from .settings import PieceSettings
 
 
 @dataclass(slots=True)
@@ -39,7 +38,7 @@ class PieceRecords:
     def record(
         self,
         piece: PieceInProgress,
-        settings: PieceSettings,
+        settings: PieceParameters,
         end: float,
         reserve: float,
         last: LastPiece,

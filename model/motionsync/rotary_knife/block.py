@@ -9,12 +9,19 @@ from .. import var
 from ..clock import Clock
 from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
-from ..cutting.interface import LateMode, PieceKind, Source, StartMode
+from ..cutting.interface import LateMode, PieceKind, Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
-from ..cutting.outputs import show_line_request, show_orders
+from ..cutting.outputs import (
+    show_line_request,
+    show_marks,
+    show_piece,
+    show_queues,
+    show_skipped_cut,
+    show_warnings,
+)
 from ..cutting.piece import UNLIMITED
-from ..cutting.pieces import can_change_pieces, record_piece
+from ..cutting.pieces import can_change_pieces, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
 from ..motion.axis_limits import AxisLimits
@@ -25,11 +32,11 @@ from ..numerics.grid import wrap
 from .curves import SHORTEST_WAY, Peaks
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure
-from .faults import KnifeParameter, Refusal, SkipReason
+from .faults import Refusal, SkipReason
 from .interface import RotaryKnifeInterface
 from .knife import Knife
 from .late_cuts import skip_cuts_before, skip_to_reached_cut
-from .outputs import show_peaks, show_piece, show_state, show_warnings
+from .outputs import show_peaks, show_state
 from .parking import Parking
 from .predictions import Predictions
 from .reserve import RestTime
@@ -37,7 +44,6 @@ from .settings import KnifeSettings, describe_knife
 from .velocity import PUNCTUAL, keeps_limits
 from .window import Cut, Window
 
-MOST_PITCHES = 1e4  # that the master may travel in one step
 MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
 
@@ -102,11 +108,8 @@ class RotaryKnife(RotaryKnifeInterface):
             return Refusal.MASTER_TURNS
         self.describe_axis()
         self.cycle.rest_at(Stage.RESTING, self.knife_data, self.blade_after(1.0), self.park_position())
-        self.operation.take_levels(self.start, self.stop, self.abort, self.reset, self.cut_now)
-        self.operation.pieces.take_levels(
-            self.take_sample, self.clear_statistics, self.mark.detected, self.order, self.calibration
-        )
-        self.read_demand()
+        self.operation.take_levels(self)
+        self.material.demand.read(self)
         self.update_settings()
         self.show_motion()
         return Refusal.NONE
@@ -119,18 +122,13 @@ class RotaryKnife(RotaryKnifeInterface):
         self.axis_limits.min_position = -LARGEST
         self.axis_limits.max_position = LARGEST
 
-    def read_demand(self) -> None:
-        self.material.demand.set(self.source, self.length, self.length_correction, self.waste, self.order.repeat)
-
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = 0.0
-        if self.running or self.operation.is_started_now(self.start, self.auto_start):
-            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
+        longest = self.operation.longest_travel(self, self.material, self.predictions.pitch_orders)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
-        self.read_demand()
+        self.material.demand.read(self)
         self.local.skip_reason = SkipReason.NONE
         self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
@@ -154,20 +152,31 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def check_settings(self) -> None:
         """Take over what was tuned, if it is valid."""
-        if not (self.settings.are_valid and self.settings.are_current(self, self.material.settings)):
+        if not self.are_settings_current():
             self.update_settings()
+
+    def are_settings_current(self) -> bool:
+        """Whether all tunable parameters are valid, and have been taken over."""
+        return self.settings.are_current(self) and self.material.settings.are_current(self)
+
+    def can_fix(self) -> bool:
+        """Whether all is valid that a piece is fixed with."""
+        return self.settings.are_current(self) and self.material.settings.has_piece(self)
 
     def update_settings(self) -> None:
         """Compute with the present parameters, as far as they are valid."""
-        self.settings.update(self, self.knife_data, self.material.settings)
-        self.is_blocked = self.is_blocked and self.settings.invalid_line != KnifeParameter.NONE
+        self.settings.take_over(self, self.knife_data)
+        self.material.settings.take_over(self)
+        self.local.refused_parameter = self.settings.refused_parameter(self)
+        self.is_blocked = self.is_blocked and not self.material.settings.has_cycle(self)
         self.describe_window()
 
     def describe_window(self) -> None:
         """Compute with the present factor of calibration."""
-        factor = self.settings.material_factor * self.calibration.factor
+        factor = self.material.settings.cycle.material_factor * self.calibration.factor
+        sync = self.settings.sync
         self.material.settings.factor = factor
-        self.settings.describe(self.predictions.window, self.knife_data, factor)
+        self.predictions.window.set(self.knife_data, factor, sync.before, sync.after, sync.overspeed)
         self.predictions.describe(self.knife_data)
 
     # --- the commands ---
@@ -180,47 +189,28 @@ class RotaryKnife(RotaryKnifeInterface):
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
-        if self.operation.cut_now_edge.try_rise(self.cut_now):
-            self.command_cut_now()
+        if self.operation.try_request_cut(self):
+            self.advance_cut()
         self.update_piece()
 
     def obey_machine(self) -> None:
         """Carry out reset, abort, stop, start."""
         operation = self.operation
-        if operation.reset_edge.try_rise(self.reset):
-            operation.reset(self.cycle.stage == Stage.RESTING)
-        if operation.abort_edge.try_rise(self.abort) and self.running:
-            operation.stop()
+        operation.reset(self, self.cycle.stage == Stage.RESTING)
+        if operation.try_abort(self):
             self.leave_material()
-        if operation.stop_edge.try_rise(self.stop) and self.running:
-            operation.stop()
-            if self.cycle.stage == Stage.WAITING:
-                self.enter_resting()
-        is_automatic = self.auto_start and not operation.has_stepped
-        if operation.start_edge.try_rise(self.start) or is_automatic:
-            self.command_start()
+        if operation.try_stop(self) and self.cycle.stage == Stage.WAITING:
+            self.enter_resting()
+        is_off = self.cycle.stage == Stage.RESTING
+        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+            self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
-        commands = self.operation.pieces
         factor = self.calibration.factor
-        commands.obey_record_commands(self.clear_statistics, self.records, self.statistics)
-        commands.obey_calibration(self.calibration, self.last.length, self.settings.material_factor, self.material)
-        commands.obey_orders(self.order, self.take_sample, self.material)
+        self.operation.pieces.obey(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_window()
-
-    def command_start(self) -> None:
-        """Set the machine to work, if it is off and has what it needs."""
-        can_continue = self.start_mode != StartMode.CONTINUE or self.material.has_cut
-        is_off = self.cycle.stage == Stage.RESTING and self.operation.fault == PieceFault.NONE
-        if not (is_off and can_continue):
-            self.operation.pieces.fault = PieceFault.START
-        elif not self.settings.can_start(self.material.settings):
-            self.operation.pieces.fault = PieceFault.TUNABLE
-        else:
-            self.operation.start()
-            self.set_to_work()
 
     def set_to_work(self) -> None:
         """Fix the first piece, and wait for its cut."""
@@ -229,15 +219,15 @@ class RotaryKnife(RotaryKnifeInterface):
         self.rest_time.start(self.now)
         is_sample_pending = self.material.is_sample_pending
         settings = self.material.settings
-        self.material.start(self.start_mode, self.master.begin, settings.front_position / settings.factor)
+        self.material.start(self.start_mode, self.master.begin, settings.start.front_position / settings.factor)
         self.accept_piece(is_sample_pending)
         self.cycle.rest_at(Stage.WAITING, self.knife_data, self.cycle.blade, self.park_position())
 
-    def command_cut_now(self) -> None:
-        """At rest, or soon: the cut is made as soon as possible. On a curve: the next cut is moved forward."""
+    def advance_cut(self) -> None:
+        """A cut_now that comes at rest, or soon before, is made as soon as possible; on a curve the next cut is moved
+        forward."""
         operation = self.operation
-        operation.request_cut(self.running)
-        if not operation.is_cut_pending or self.cycle.stage == Stage.WAITING:
+        if self.cycle.stage == Stage.WAITING:
             return
         is_turning = self.cycle.stage in (Stage.TURNING, Stage.DISENGAGING)
         if self.cycle.stage == Stage.DISENGAGING and self.hold:
@@ -254,12 +244,12 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def fix_piece(self) -> None:
         """Fix the piece that starts at the last cut, if the settings are valid."""
-        if self.settings.can_fix(self.material.settings):
-            is_sample_pending = self.material.is_sample_pending
-            self.material.fix_piece()
-            self.accept_piece(is_sample_pending)
-        else:
+        if not self.can_fix():
             self.operation.pieces.fault = PieceFault.TUNABLE
+            return
+        is_sample_pending = self.material.is_sample_pending
+        self.material.fix_piece()
+        self.accept_piece(is_sample_pending)
 
     def accept_piece(self, is_sample_pending: bool) -> None:
         """Take the present window for the piece that was fixed; it is not fixed if the knife would have to park for it,
@@ -305,12 +295,12 @@ class RotaryKnife(RotaryKnifeInterface):
             self.is_change_pending = False
         elif piece.kind == PieceKind.PRODUCT:
             has_changed = self.material.has_changed()
-            can_change = has_changed and self.settings.can_fix(self.material.settings)
+            can_change = has_changed and self.can_fix()
             self.is_change_pending = has_changed and not (can_change and self.try_change_piece())
 
     def fix_open_piece(self) -> None:
         """Fix a piece that had no length, if there is one now."""
-        if not self.settings.can_fix(self.material.settings):
+        if not self.can_fix():
             self.operation.pieces.fault = PieceFault.TUNABLE
             return
         is_sample_pending = self.material.is_sample_pending
@@ -358,20 +348,9 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
-        detected = self.operation.pieces.mark.try_rise(self.mark.detected)
-        if not (self.running and self.source == Source.MARK):
-            return
-        master = self.master
         was_fixed = self.material.piece.is_fixed
-        self.material.watch_marks(
-            self.mark, detected, master.begin, master.begin_velocity, master.period, self.statistics
-        )
-        self.warning.mark_missing = self.material.is_mark_missing
-        self.warning.mark_outside = self.material.is_mark_outside
-        self.warning.mark_refused = self.material.is_mark_refused
-        self.local.mark_refusal = self.material.mark_refusal
-        if self.material.mark_refusal != MarkRefusal.NONE:
-            self.local.refused_mark = wrap(self.material.refused_mark, master.period)
+        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        show_marks(self, self.warning, self.local, self.material)
         if self.material.piece.is_fixed and not was_fixed:
             self.take_window()
         if self.material.mark_fault != PieceFault.NONE:
@@ -535,7 +514,7 @@ class RotaryKnife(RotaryKnifeInterface):
         begin = piece.end + self.ramp_begin
         travel = -(before + self.ramp_begin)
         earliest = self.place - self.ramp_begin
-        if self.settings.invalid_line != KnifeParameter.NONE:
+        if not self.material.settings.has_cycle(self):
             self.is_blocked = True
             self.operation.pieces.fault = PieceFault.TUNABLE
             return
@@ -550,18 +529,17 @@ class RotaryKnife(RotaryKnifeInterface):
         elif is_slow and self.can_delay_cut(earliest):
             self.delay_cut(earliest)
             self.enter_engaging()
-        elif self.settings.late_mode == LateMode.STOP_LINE:
+        elif self.material.settings.cycle.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
-            self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE)
-            if is_slow:
-                self.local.missing_distance = max(self.place - begin, 0.0)
+            missing = max(self.place - begin, 0.0) if is_slow else 0.0
+            self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE, missing)
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
 
     def can_delay_cut(self, earliest: float) -> bool:
         """Whether a late cut out of rest is made at this position, u, as early as it can be."""
-        is_late_mode = self.settings.late_mode == LateMode.LATE
+        is_late_mode = self.material.settings.cycle.late_mode == LateMode.LATE
         return is_late_mode and self.material.piece.leaves_length(earliest) and self.can_ramp_to(earliest)
 
     def enter_engaging(self) -> None:
@@ -632,19 +610,9 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_cut_refused = False
         var.copy(self.last_window, self.planned_cut.window)
         self.has_last_window = True
-        record_piece(
-            self.planned_cut.place,
-            self.block_clock.time + self.now,
-            self.rest_time.share(self.now, self.is_piece_late),
-            self.material,
-            self.records,
-            self.last,
-            self.statistics,
-            self.order,
-        )
-        self.batch_count = self.records.batch_count
-        self.batches = self.records.batches
-        self.batch_done = self.records.is_batch_done
+        reserve = self.rest_time.share(self.now, self.is_piece_late)
+        time = self.block_clock.time + self.now
+        record_piece(self, self.material, self.records, self.planned_cut.place, time, reserve)
         self.rest_time.cut(self.now)
         self.predictions.is_cycle_current = False
         self.fix_piece()
@@ -686,15 +654,16 @@ class RotaryKnife(RotaryKnifeInterface):
         knife = self.knife_data
         piece = self.material.piece
         departure = self.departure
-        if self.settings.late_mode == LateMode.STOP_LINE:
+        late_mode = self.material.settings.cycle.late_mode
+        if late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
-        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(
+        elif late_mode == LateMode.LATE and departure.try_earliest(
             knife, self.piece_window, max(piece.end, piece.least_end())
         ):
             self.delay_cut(departure.cut.place)
             self.plan_way()
         else:
-            self.show_skipped_cut(SkipReason.LATE)
+            self.show_skipped_cut(SkipReason.LATE, 0.0)
             if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
                 self.plan_way()
             else:
@@ -707,12 +676,9 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_piece_late = True
         self.statistics.late = increased(self.statistics.late, 1.0)
 
-    def show_skipped_cut(self, reason: SkipReason) -> None:
+    def show_skipped_cut(self, reason: SkipReason, missing_distance: float) -> None:
         """Show that the next cut is skipped, and why."""
-        self.local.skip_reason = reason
-        self.local.missing_distance = 0.0
-        self.local.skipped_cut = wrap(self.material.piece.end, self.master.period)
-        self.local.line_velocity = self.master.velocity_at(self.now)
+        show_skipped_cut(self.local, reason, self.master, self.material.piece.end, self.now, missing_distance)
 
     def leave_curve(self) -> None:
         """The knife may leave the curve on which it is."""
@@ -838,12 +804,14 @@ class RotaryKnife(RotaryKnifeInterface):
         self.update_predictions()
         stage = self.cycle.stage
         is_entering = stage == Stage.SYNCHRONOUS and not self.is_cut_made and self.cycle.is_last()
-        show_piece(self, self.material.piece, self.piece_window.before, is_entering)
+        show_piece(self, self.material, self.master.end)
+        if self.next_cut.known and not is_entering:
+            self.next_cut.distance = (self.material.piece.end - self.master.end) - self.piece_window.before
         window = self.predictions.window
         self.local.coupling_factor = window.slope
         self.local.blade_spacing = self.knife_data.spacing
         self.local.edge_radius = window.radian if window.is_horizontal else 0.0
-        show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
+        show_line_request(self, self.limits, self.operation, self.material.settings.line.margin)
         show_peaks(self, self.cycle_peaks)
 
     def update_predictions(self) -> None:
@@ -862,34 +830,25 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def show(self, before: float, h: float) -> None:
         """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
-        material = self.material
-        show_state(self, self.cycle.stage, self.operation.fault, self.operation.pieces.fault)
-        show_orders(self.order, material.orders)
-        self.local.marks_waiting = material.marks.waiting
+        show_state(self, self.cycle.stage, self.operation)
+        show_queues(self, self.local, self.material, self.missing_length())
         if self.cycle.stage in (Stage.RESTING, Stage.WAITING):
             self.exceeded.clear()
         else:
             self.exceeded.check_setpoint(self.axis_limits, self.slave)
         self.exceeded.check_way(self.axis_limits, self.slave, before, self.knife_data.turn, h, self.master)
         window = self.predictions.window
-        show_warnings(
-            self,
-            self.exceeded,
-            max(window.begin.d1, window.end.d1),
-            self.is_ramp_too_fast,
-            self.is_change_pending or self.is_cut_refused,
-        )
-        self.local.no_length = self.missing_length() if self.running else NoLength.NONE
-        self.local.refused_parameter = self.settings.refused_parameter(material.settings)
+        greatest_slope = max(window.begin.d1, window.end.d1)
+        self.warning.velocity = greatest_slope * self.master.end_velocity > self.axis.max_velocity
+        self.warning.change_pending = self.is_change_pending or self.is_cut_refused
+        show_warnings(self, self.limits, self.warning, self.local, self.exceeded)
+        self.warning.limit_exceeded = self.warning.limit_exceeded or self.is_ramp_too_fast
+        self.warning.any = self.warning.any or self.is_ramp_too_fast
         self.clock = self.block_clock.time
 
     def rebase(self) -> None:
         """Drop the master's whole turns from all positions."""
-        if self.master.period > 0.0:
-            before = self.master.end
-            self.master.rebase()
-            turns = before - self.master.end
-            if turns != 0.0:
-                self.material.rebase(turns)
-                self.cycle.rebase(turns)
-                self.planned_cut.place -= turns
+        turns = try_drop_turns(self.master, self.material)
+        if turns != 0.0:
+            self.cycle.rebase(turns)
+            self.planned_cut.place -= turns

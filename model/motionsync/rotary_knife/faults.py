@@ -1,17 +1,16 @@
-"""Which tuned parameter is out of its range, why a cut is skipped, and why a call fails.
+"""Which tunable parameters contradict one another, why a cut is skipped, and why a call fails.
 
 Why a command is refused and why the machine stops is the same for all machines that cut to length: `PieceFault`
-(`cutting/faults.py`). An invalid parameter changes nothing by itself: no piece is fixed with it, a command that reads
-it is refused, a cycle under way ends with the values it began with.
+(`cutting/faults.py`). An invalid parameter changes nothing by itself: no piece is fixed with it, a start is
+refused, a cycle under way ends with the values it began with.
 """
 
-from ..cutting.faults import LONG_TRAVEL
+from ..cutting.faults import LONG_TRAVEL, MARK_WINDOW
 from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
 MOST_VELOCITY = ("limits.max_line_velocity",)
-FACTORS = ("material_factor", "calibration.factor")
 ALLOWED = ("local.allowed_from", "local.allowed_to")
 BEFORE = (
     "sync.before must be local.allowed_from to local.allowed_to, so that there is a way from the park angle to it",
@@ -70,7 +69,7 @@ class Refusal(Enumeration):
         "knife.blades",
         *ALLOWED,
     )
-    MARK_WINDOW = 3, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
+    MARK_WINDOW = 3, *MARK_WINDOW
     TRAVEL = 4, *LONG_TRAVEL
     PARK_ANGLE = (
         5,
@@ -82,14 +81,10 @@ class Refusal(Enumeration):
     SYNC_AFTER = 7, *AFTER
 
 
-class KnifeParameter(Enumeration):
-    """Which tuned parameter is out of its range"""
+class KnifeContradiction(Enumeration):
+    """Which tunable parameters contradict one another; 1 to 1000 are parameters out of their own ranges"""
 
-    # The other numbers are those of `PieceParameter`.
+    # The other numbers are those of `Contradiction`.
     NONE = 0, "none"
-    MATERIAL_FACTOR = 2, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
-    SYNC_BEFORE = 3, *BEFORE
-    SYNC_AFTER = 4, *AFTER
-    OVERSPEED = 5, "sync.overspeed must be -0.2 to 0.5", "sync.overspeed"
-    MARGIN = 40, "line.margin must be at least 0 and below 1", "line.margin"
-    LATE_MODE = 43, "late_mode must be 1, 2 or 3", "late_mode"
+    BEFORE = 1003, *BEFORE
+    AFTER = 1004, *AFTER

@@ -3,7 +3,6 @@
 from ..cutting.interface import Source, Statistics
 from ..cutting.material import Material
 from ..cutting.piece import UNLIMITED
-from ..cutting.records import increased
 from ..numerics.grid import floor
 from .departure import MOST_PLACES, Departure
 from .knife import Knife
@@ -15,20 +14,14 @@ WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
 def skip_cuts_before(material: Material, place: float, statistics: Statistics) -> None:
     """Leave out the next cut, and all others that are before a position of the master, u."""
     if material.demand.source == Source.MARK:
-        drop_mark(material, statistics)
+        material.skip_mark(statistics)
         while material.marks.waiting > 0 and material.marks.position(0) < place:
-            drop_mark(material, statistics)
+            material.skip_mark(statistics)
         material.merge_to_next_mark()
     else:
         piece = material.piece
         number = -floor(WHOLE - (place - piece.end) / piece.pitch)
         material.skip_pitches(max(number, 1.0), statistics)
-
-
-def drop_mark(material: Material, statistics: Statistics) -> None:
-    """Leave out the cut at the next mark."""
-    material.marks.drop()
-    statistics.skipped = increased(statistics.skipped, 1.0)
 
 
 def skip_to_reached_cut(
@@ -62,7 +55,7 @@ def skip_to_reached_mark(
             continue
         if departure.try_cut(knife, window, place, True):
             for _ in range(index):
-                drop_mark(material, statistics)
+                material.skip_mark(statistics)
             material.merge_to_next_mark()
             return True
         if departure.is_beyond_ramps():

@@ -101,7 +101,7 @@ class Predictions:
                 self.lengths.solve_shortest(knife, self.window, velocity)
         self.are_lengths_current = True
         factor = material.settings.factor
-        allowance = material.settings.kerf + material.demand.correction()
+        allowance = material.settings.piece.kerf + material.demand.correction()
         limits.max_length = factor * self.lengths.longest - allowance
         limits.cycle_time = 0.0
         limits.min_length = 0.0
@@ -130,7 +130,7 @@ class Predictions:
         by_marks = material.demand.source == Source.MARK
         first = material.marks.first if by_marks else material.orders.first
         waiting = material.marks.waiting if by_marks else material.orders.waiting
-        allowance = material.settings.kerf + material.demand.length_correction
+        allowance = material.settings.piece.kerf + material.demand.length_correction
         if (
             self.are_queues_current
             and first == self.queue_first

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from .expression_rules import COPY, SAME
+from .expression_rules import COPY, COPY_VALID, PART_FUNCTIONS
 from .package import CheckedFunction, Kind, Package, assigned_name
 
 # Fields, each with the class that has it. An element of a list counts as an element of any list.
@@ -78,7 +78,7 @@ class Effects:
             )
             effect.changed |= self.root_names(function, target)
         for node in function.walk(function.node):
-            if isinstance(node, ast.Call) and function.meaning(node.func) == COPY:
+            if isinstance(node, ast.Call) and function.meaning(node.func) in (COPY, COPY_VALID):
                 effect.changed |= self.root_names(function, node.args[0])
 
     def add_effects_of_calls(self, function: CheckedFunction) -> bool:
@@ -120,10 +120,10 @@ class Effects:
                 owner = function.kinds[n.value]
                 if isinstance(owner, ast.ClassDef) and n.attr in (fields := self.package.all_fields(owner)):
                     own.add((fields[n.attr][1], n.attr))
-            elif isinstance(n, ast.Call) and function.meaning(n.func) == COPY:
-                copied |= self.fields_inside(function.kinds[n.args[0]])
-            elif isinstance(n, ast.Call) and function.meaning(n.func) == SAME:
+            elif isinstance(n, ast.Call) and function.meaning(n.func) in PART_FUNCTIONS:
                 own |= self.fields_inside(function.kinds[n.args[0]])
+                if function.meaning(n.func) in (COPY, COPY_VALID):
+                    copied |= self.fields_inside(function.kinds[n.args[0]])
             if callee := function.callee(n):
                 callees.append(callee)
         return frozenset(own) | copied, copied, callees

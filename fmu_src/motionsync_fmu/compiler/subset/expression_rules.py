@@ -9,7 +9,10 @@ from .package import MATH_CONSTANTS, Kind, Meaning, Package
 
 MATH = {"math.sqrt": "float", "math.floor": "int", "math.isfinite": "bool", "math.fmod": "float"}
 COPY = "var.copy"  # copies one part into another of the same class
-SAME = "var.same"  # compares two parts of the same class
+SAME = "var.same"  # compares a part with one of its class, or of a class derived from it
+COPY_VALID = "var.copy_valid"  # copies such a one, if its tunable parameters are valid
+FIRST_INVALID = "var.first_invalid"  # numbers the first tunable parameter in a part that is not valid
+PART_FUNCTIONS = {COPY: "None", SAME: "bool", COPY_VALID: "None", FIRST_INVALID: "int"}  # the kinds of their results
 BUILTINS = {"abs": 1, "min": 2, "max": 2, "round": 1, "int": 1, "float": 1, "len": 1}  # least number of arguments
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 
@@ -177,11 +180,13 @@ class ExpressionRules(ast.NodeVisitor):
             self.check_conversion(argument, kind, self.package.kind(file, parameter.annotation))
 
     def library_call_kind(self, node: ast.Call, meaning: str, kinds: list[Kind]) -> Kind:
-        """A call into math, or into the declarations, of which `copy` and `same` alone are compiled."""
-        if meaning in (COPY, SAME):
-            is_pair = len(kinds) == 2 and kinds[0] == kinds[1] != "list" and self.package.is_object(kinds[0])
-            result = "None" if meaning == COPY else "bool"
-            return result if is_pair else self.flag(node, f"{meaning} takes two parts of the same class")
+        """A call into math, or into the declarations, of which the functions of parts alone are compiled."""
+        if meaning in PART_FUNCTIONS:
+            number = 1 if meaning == FIRST_INVALID else 2
+            are_parts = len(kinds) == number and kinds[0] != "list" and self.package.is_object(kinds[0])
+            is_alike = kinds[-1:] == kinds[:1] or (meaning != COPY and self.package.is_derived(kinds[-1], kinds[0]))
+            what = "a part" if number == 1 else "two parts of the same class"
+            return PART_FUNCTIONS[meaning] if are_parts and is_alike else self.flag(node, f"{meaning} takes {what}")
         other = POWER if meaning == "math.pow" else f"{meaning} is not called: only {', '.join(MATH)}"
         return MATH.get(meaning) or self.flag(node, other)
 

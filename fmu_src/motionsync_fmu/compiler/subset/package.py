@@ -226,6 +226,11 @@ class Package:
         base = self.meaning(self.file_of[owner], owner.bases[0]) if owner.bases else None
         return base if isinstance(base, ast.ClassDef) and base != owner else None
 
+    def is_derived(self, kind: Kind, base: Kind) -> bool:
+        """Whether a kind is a class that derives from another one, directly or not."""
+        above = self.base_class(kind) if isinstance(kind, ast.ClassDef) else None
+        return above is not None and (above == base or self.is_derived(above, base))
+
     def own_fields(self, owner: ast.ClassDef) -> "dict[str, Kind]":
         """The kinds of the fields that a class adds to its base, without those that it only declares anew."""
         own = {name: item for name, (up, _, item) in self.all_fields(owner).items() if up == 0}

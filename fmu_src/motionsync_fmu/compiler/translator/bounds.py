@@ -1,7 +1,8 @@
-"""The bounds of integers, as far as constants and the enclosing loops determine them."""
+"""The bounds of integers, as far as constants and the enclosing loops determine them: an index that is certainly inside
+its list needs no check."""
 
 import ast
-from math import inf
+from math import inf, isinf
 from typing import TypeAlias
 
 from ..subset.effects import Effects
@@ -12,11 +13,37 @@ UNBOUNDED = -inf, inf
 
 
 class IntegerBounds:
-    """The integers of one function; `loops` has the bounds of the enclosing loops' variables."""
+    """The integers of one function.
+
+    Attributes:
+        inside: the elements whose index is certainly inside their list.
+        unbounded: the loops that no constants end; after a failure they might not end.
+    """
 
     def __init__(self, effects: Effects, function: CheckedFunction) -> None:
         self.effects, self.function = effects, function
-        self.loops: dict[str, Bounds] = {}
+        self.inside: set[ast.AST] = set()
+        self.unbounded: set[ast.AST] = set()
+        self.loops: dict[str, Bounds] = {}  # of the variables of the enclosing loops
+        self.visit(function.node)
+
+    def visit(self, node: ast.AST) -> None:
+        name = ""
+        match node:
+            case ast.For(target=ast.Name(id=name)):
+                low, high = self.loop_bounds(node)
+                self.loops[name] = low, high
+                if isinf(high - low):
+                    self.unbounded.add(node)
+            case ast.While():
+                self.unbounded.add(node)
+            case ast.Subscript(value=values, slice=index) if node in self.function.kinds:
+                low, high = self.bounds(index)
+                if 0 <= low <= high < self.effects.list_length(self.function, values):
+                    self.inside.add(node)
+        for inner in ast.iter_child_nodes(node):
+            self.visit(inner)
+        self.loops.pop(name, None)
 
     def bounds(self, node: ast.expr) -> Bounds:
         number = self.function.constant_value(node)

@@ -28,7 +28,7 @@ class Context:
         lines: of each module's text.
         comments: of each module, by line.
         helpers, constants, tuples, types: what the text needs.
-        compared: the classes whose parts are compared with `var.same`.
+        part_functions: those functions of parts, by their names in `var` and the parts' classes.
 
     Raises:
         UserError: the block is outside the kernel subset.
@@ -51,7 +51,7 @@ class Context:
         self.constants: dict[ast.stmt, str] = {}
         self.tuples: dict[str, tuple[Kind, ...]] = {}
         self.types: dict[ast.ClassDef, None] = {}
-        self.compared: dict[ast.ClassDef, None] = {}
+        self.part_functions: dict[tuple[str, ast.ClassDef], None] = {}
 
     def find_class(self, python_class: type[Any]) -> ast.ClassDef:
         classes = (node for node in self.package.file_of if isinstance(node, ast.ClassDef))
@@ -64,16 +64,25 @@ class Context:
         inside = () if parts[0] == self.root else (MODEL,)
         return getattr(importlib.import_module(".".join((*inside, *parts))), node.name)
 
+    def required_classes(self, node: ast.ClassDef) -> dict[ast.ClassDef, None]:
+        """A class after its base and the classes of its fields."""
+        base = self.package.base_class(node)
+        classes = self.required_classes(base) if base else {}
+        for kind in self.package.own_fields(node).values():
+            if isinstance(kind, ast.ClassDef):
+                classes |= {kind: None} if kind in self.package.enumerations else self.required_classes(kind)
+        return classes | {node: None}
+
     # --- names that the text needs ---
 
     def constant(self, statement: ast.stmt) -> str:
         return self.constants.setdefault(statement, self.names.name_of(statement))
 
-    def comparison(self, kind: Kind) -> str:
-        """The function that compares two parts of a class."""
+    def part_function(self, name: str, kind: Kind) -> str:
+        """The function of that name in `var`, for parts of a class."""
         assert isinstance(kind, ast.ClassDef)
-        self.compared.setdefault(kind)
-        return self.names.comparisons[kind]
+        self.part_functions.setdefault((name, kind))
+        return self.names.part_functions[name, kind]
 
     def enumerator(self, node: ast.ClassDef, member: str) -> str:
         self.types.setdefault(node)

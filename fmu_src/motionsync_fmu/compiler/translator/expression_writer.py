@@ -3,7 +3,7 @@
 import ast
 from typing import NamedTuple
 
-from ..subset.expression_rules import COPY, SAME
+from ..subset.expression_rules import COPY, PART_FUNCTIONS
 from ..subset.package import CheckedFunction, Kind
 from .context import Context
 from .helpers import HELPERS
@@ -46,8 +46,6 @@ class ExpressionWriter:
     def __init__(self, context: Context, function: CheckedFunction) -> None:
         self.context, self.function = context, function
         self.package, self.names = context.package, context.names
-        self.checks = context.raising.checks[function]
-        self.checked: dict[ast.expr, str] = {}  # the texts of indices, or parts of them, that have been checked
 
     def kind(self, node: ast.expr) -> Kind:
         return self.function.kinds[node]
@@ -93,8 +91,6 @@ class ExpressionWriter:
 
     def expression(self, node: ast.expr) -> Code:
         match node:
-            case _ if node in self.checked:
-                result = Code(self.checked[node])
             case ast.Call():
                 result = self.own_call(node) or self.library_call(node)
             case ast.Name() | ast.Attribute():
@@ -128,14 +124,10 @@ class ExpressionWriter:
         return Code(f"{sign}({text})" if text.startswith(sign) else f"{sign}{text}", UNARY)
 
     def index(self, node: ast.Subscript, index: ast.expr) -> str:
-        """An element's index, checked unless that is not needed or was done before."""
-        if self.context.raising.may_raise(self.function, node):
-            part, length = self.checks.indices[node]
-            if part not in self.checked:
-                self.checked[part] = self.in_range(part, length)
-        return self.code(index)
-
-    def in_range(self, index: ast.expr, length: int) -> str:
+        """An element's index, checked unless that is not needed."""
+        if not self.context.raising.may_raise(self.function, node):
+            return self.code(index)
+        length = self.context.effects.list_length(self.function, node.value)
         return self.helper("index_in", self.code(index, 0, "int"), str(length)).text
 
     # --- names ---
@@ -230,11 +222,12 @@ class ExpressionWriter:
     def library_call(self, node: ast.Call) -> Code:
         """The call of a function from outside the package."""
         kind, first, name = self.kind(node), node.args[0], library_name(self.function, node.func)
-        if self.function.meaning(node.func) == COPY:
+        meaning = self.function.meaning(node.func)
+        if meaning == COPY:
             result = Code(f"{self.object_text(first)} = {self.object_text(node.args[1])}", ASSIGNMENT)
-        elif self.function.meaning(node.func) == SAME:
-            parts = ", ".join(self.pointer(part, self.kind(part)) for part in node.args)
-            result = Code(f"{self.context.comparison(self.kind(first))}({parts})")
+        elif isinstance(meaning, str) and meaning in PART_FUNCTIONS:
+            parts = ", ".join(self.pointer(part, self.kind(first)) for part in node.args)
+            result = Code(f"{self.context.part_function(meaning, self.kind(first))}({parts})")
         elif name in ("min", "max"):
             result = self.least_or_greatest(name, kind, node.args)
         elif name == "len":

@@ -11,7 +11,6 @@ from .declarations import Path, find_declarations
 from .expression_writer import AND, ARITHMETIC, RELATION, ExpressionWriter
 from .text import append_comment, docstring, fold
 
-OPERATOR_WORDS: dict[type[ast.operator], str] = {ast.Add: "plus", ast.Sub: "minus", ast.Mult: "times"}
 Lines = tuple[int, int]  # of the source: the first and the last
 
 
@@ -107,7 +106,6 @@ class FunctionWriter(ExpressionWriter):
     def statement(self, s: ast.stmt, path: Path) -> None:
         new = self.declared.get(path, [])
         source = s.lineno, s.end_lineno or s.lineno
-        self.write_shared_checks(s)
         match s:
             case ast.Assign(targets=[ast.Tuple(elts=parts)], value=ast.Call() as call):
                 self.unpack(call, parts, new, source)
@@ -118,13 +116,6 @@ class FunctionWriter(ExpressionWriter):
                     return
         self.declare(new)
         self.plain_statement(s, path, source)
-
-    def write_shared_checks(self, s: ast.stmt) -> None:
-        """Check the indices that this and later statements use."""
-        for check in (check for check in self.checks.shared if check.statement is s):
-            name = self.new_name(f"at_{index_words(check.uses[0])}")
-            self.write(f"const int64_t {name} = {self.in_range(check.uses[0], check.length)};")
-            self.checked |= dict.fromkeys(check.uses, name)
 
     def plain_statement(self, s: ast.stmt, path: Path, source: Lines) -> None:
         """Write a statement that declares nothing itself."""
@@ -233,7 +224,7 @@ class FunctionWriter(ExpressionWriter):
 
     def guard(self, loop: ast.stmt) -> str:
         """The condition that ends a loop at a failure, after which it might not end."""
-        return "!*failed && " if loop in self.checks.unbounded else ""
+        return "!*failed && " if loop in self.context.raising.integers[self.function].unbounded else ""
 
     def write_for(self, s: ast.For, path: Path) -> None:
         assert isinstance(s.target, ast.Name)
@@ -295,7 +286,6 @@ class FunctionWriter(ExpressionWriter):
             self.inner(case.body, (*path, k))
             body, self.lines = self.lines[start:], self.lines[:start]
             declares = any(declared[:-1] == (*path, k) for declared in self.declared) or unpacks(case.body)
-            declares |= any(check.statement in case.body for check in self.checks.shared)
             self.write(f"{labels[-1]}{' {' if declares else ''}", (case.pattern.lineno, case.body[0].lineno - 1))
             self.lines += body
             if not isinstance(case.body[-1], ast.Return | ast.Continue):
@@ -303,18 +293,6 @@ class FunctionWriter(ExpressionWriter):
             if declares:
                 self.write("}")
         self.write("}")
-
-
-def index_words(index: ast.expr) -> str:
-    """An index in words, such as `piece_plus_1`."""
-    match index:
-        case ast.BinOp(left=left, op=op, right=right):
-            return f"{index_words(left)}_{OPERATOR_WORDS[type(op)]}_{index_words(right)}"
-        case ast.UnaryOp(operand=operand):
-            return f"minus_{index_words(operand)}"
-        case ast.Attribute(attr=name) | ast.Name(id=name):
-            return name.lower()
-    return ast.unparse(index)
 
 
 def unpacks(body: list[ast.stmt]) -> bool:

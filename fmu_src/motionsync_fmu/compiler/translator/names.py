@@ -4,6 +4,7 @@ import ast
 from collections import Counter
 from pathlib import PurePosixPath
 
+from ..subset.expression_rules import PART_FUNCTIONS
 from ..subset.package import Package, assigned_name
 from .helpers import HELPERS
 
@@ -24,7 +25,7 @@ class Names:
     """The names of all that the modules of a package declare.
 
     Attributes:
-        comparisons: of the functions that compare two parts of a class.
+        part_functions: of the functions of parts of a class, by the name that they have in `var`.
     """
 
     def __init__(self, package: Package) -> None:
@@ -46,7 +47,11 @@ class Names:
                 member = item.name if isinstance(item, ast.FunctionDef) else assigned_name(item)
                 if member and not isinstance(item, ast.AnnAssign):
                     self.names[item] = self.add_unique(f"{self.names[node]}_{member}")
-        self.comparisons = {node: self.add_unique(f"{self.names[node]}_same") for node in classes}
+        self.part_functions = {
+            (function, node): self.add_unique(f"{self.names[node]}_{function.removeprefix('var.')}")
+            for function in PART_FUNCTIONS
+            for node in classes
+        }
 
     def add_unique(self, name: str) -> str:
         while name in self.taken or name in RESERVED:

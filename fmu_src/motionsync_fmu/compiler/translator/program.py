@@ -9,6 +9,7 @@ from ..subset.package import CheckedFunction, Kind
 from .context import TYPES, Context
 from .function_writer import FunctionWriter
 from .helpers import helper_texts
+from .part_functions import PartFunctions
 from .structs import StructWriter
 from .text import append_comment, docstring, literal
 
@@ -71,7 +72,7 @@ HELPERS = """\
 
 /* --- as Python does it --- */
 """
-COMPARISONS = "/* --- whether two parts of one class are the same, field by field --- */\n"
+PARTS = "/* --- parts of one class, field by field --- */\n"
 TUPLES = "/* --- what functions return that return several values --- */\n"
 BLOCK = """\
 /* ===== the block ===== */
@@ -110,7 +111,7 @@ class Program:
             function: FunctionWriter(context, function) for function in context.effects.reachable_from(self.entries)
         }
         self.bodies = {function: writer.text() for function, writer in self.writers.items()}
-        context.types |= self.structs.required_classes(context.block_class)
+        context.types |= context.required_classes(context.block_class)
 
     # --- the files ---
 
@@ -126,13 +127,12 @@ class Program:
         modules = [part for file in self.modules() for part in self.module(file)]
         tuples = [self.tuple_text(*shape) for shape in sorted(self.context.tuples.items())]
         helpers = list(helper_texts(self.context.helpers))
-        compared = dict.fromkeys(part for node in self.context.compared for part in self.structs.required_classes(node))
-        comparisons = [self.structs.comparison(node) for node in compared if node not in self.package.enumerations]
-        sections = ((HELPERS, helpers), (TUPLES, tuples), (COMPARISONS, comparisons))
-        parts = [text for heading, texts in sections if texts for text in (heading, *texts)] + modules
+        parts = list(PartFunctions(self.context).texts())
+        sections = ((HELPERS, helpers), (TUPLES, tuples), (PARTS, parts))
+        first = [text for heading, texts in sections if texts for text in (heading, *texts)]
         memory = BLOCK.format(size=dtype(block).itemsize, start=self.structs.start(block))
         return HEAD.format(name=self.names.name_of(self.context.block_class)) + "\n".join(
-            [*parts, memory, *map(self.entry, self.entries)]
+            [*first, *modules, memory, *map(self.entry, self.entries)]
         )
 
     def modules(self) -> dict[str, None]:

@@ -5,7 +5,9 @@ import ast
 
 from ..subset.effects import Effects
 from ..subset.package import CheckedFunction
-from .checks import DIVISIONS, Checks
+from .bounds import IntegerBounds
+
+DIVISIONS = (ast.Div, ast.FloorDiv, ast.Mod)
 
 
 class Raising:
@@ -17,11 +19,11 @@ class Raising:
 
     def __init__(self, effects: Effects) -> None:
         self.effects = effects
-        self.checks = {function: Checks(effects, function) for function in effects.by_function}
+        self.integers = {function: IntegerBounds(effects, function) for function in effects.by_function}
         self.failing = {
             function
-            for function, checks in self.checks.items()
-            if checks.unbounded or any(self.may_raise(function, n) for n in function.walk(function.node))
+            for function, integers in self.integers.items()
+            if integers.unbounded or any(self.may_raise(function, n) for n in function.walk(function.node))
         }
         before = -1
         while before != len(self.failing):
@@ -32,10 +34,10 @@ class Raising:
     def may_raise(self, function: CheckedFunction, node: ast.AST) -> bool:
         """Whether an operation itself might raise, whatever its operands do."""
         match node:
-            case ast.BinOp(op=op) | ast.AugAssign(op=op):
-                return isinstance(op, DIVISIONS) and node not in self.checks[function].unneeded
+            case ast.BinOp(op=op, right=right) | ast.AugAssign(op=op, value=right):
+                return isinstance(op, DIVISIONS) and not function.constant_value(right)
             case ast.Subscript():
-                return node in function.kinds and node not in self.checks[function].unneeded
+                return node in function.kinds and node not in self.integers[function].inside
             case ast.Call(func=func, args=[value, *_]) if function.callee(node) is None:
                 name = library_name(function, func)
                 if name == "sqrt":

@@ -6,7 +6,7 @@ from typing import Any
 
 from .context import Context
 from .names import BASE
-from .text import append_comment, docstring, fold, literal
+from .text import append_comment, docstring, literal
 
 INDENT = "    "
 
@@ -16,15 +16,6 @@ class StructWriter:
 
     def __init__(self, context: Context) -> None:
         self.context, self.package, self.names = context, context.package, context.names
-
-    def required_classes(self, node: ast.ClassDef) -> dict[ast.ClassDef, None]:
-        """A class after its base and the classes of its fields."""
-        base = self.package.base_class(node)
-        classes = self.required_classes(base) if base else {}
-        for kind in self.package.own_fields(node).values():
-            if isinstance(kind, ast.ClassDef):
-                classes |= {kind: None} if kind in self.package.enumerations else self.required_classes(kind)
-        return classes | {node: None}
 
     def text(self, node: ast.ClassDef) -> str:
         return self.enumeration(node) if node in self.package.enumerations else self.struct(node)
@@ -51,26 +42,6 @@ class StructWriter:
             )
         tag = "struct Block" if node is self.context.block_class else "struct"
         return "\n".join([*docstring(node), f"typedef {tag} {{", *rows, f"}} {self.names.name_of(node)};", ""])
-
-    def comparison(self, node: ast.ClassDef) -> str:
-        """The function that compares two objects of a class, field by field."""
-        base, rows = self.package.base_class(node), []
-        parts = [(base, BASE)] if base else []
-        for field, kind in self.package.own_fields(node).items():
-            member = self.names.field_name(field)
-            if isinstance(kind, ast.ClassDef) and kind not in self.package.enumerations:
-                parts.append((kind, member))
-            elif kind == "list":
-                rows.append(f"for (int i = 0; i < {self.package.list_length(node, field)}; i++) {{")
-                rows += [f"    if (a->{member}[i] != b->{member}[i]) return false;", "}"]
-            else:
-                rows.append(f"if (a->{member} != b->{member}) return false;")
-        rows += [f"if (!{self.names.comparisons[kind]}(&a->{name}, &b->{name})) return false;" for kind, name in parts]
-        name = self.names.name_of(node)
-        head = f"static inline bool {self.names.comparisons[node]}(const {name} *a, const {name} *b) {{"
-        return "\n".join(
-            [*fold(head), *(line for row in rows for line in fold(INDENT + row)), f"{INDENT}return true;", "}", ""]
-        )
 
     def start(self, owner: Any, cls: type | None = None, indent: str = "") -> str:
         """An object's present values as an initialiser; what is 0 or false is left out."""

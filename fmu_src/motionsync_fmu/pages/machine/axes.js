@@ -1,4 +1,4 @@
-// The scene of two axes that may be coupled: axes.py makes the data. A rotary axis is a disc, whose 0 is at the
+// The scene of two axes that may be coupled. A rotary axis is a disc, whose 0 is at the
 // top and which turns clockwise; a linear axis is a rail.
 scenes.axes = () => {
 const FREE = 0, COUPLED = 2;

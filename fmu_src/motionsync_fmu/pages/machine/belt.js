@@ -1,4 +1,4 @@
-// The scene of a carriage over moving material: belt.py makes the data. What is on the material at m passes
+// The scene of a carriage over moving material. What is on the material at m passes
 // the carriage's position ratio (master - m).
 scenes.belt = () => {
 const SAW = data.tool === "saw";

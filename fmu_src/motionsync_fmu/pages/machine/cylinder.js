@@ -1,4 +1,4 @@
-// The scene of a cylinder whose blades turn above moving material: cylinder.py makes the data. All is in one scale. What is
+// The scene of a cylinder whose blades turn above moving material. All is in one scale. What is
 // on the material at m is ratio (master - m) beyond the lowest point of the blades' circle, which they pass at position 0.
 scenes.cylinder = () => {
 const EDGE = 8, TOP = 22, THICK = 9, BIGGEST = 105; // px, as all that follows

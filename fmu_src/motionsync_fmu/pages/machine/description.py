@@ -36,7 +36,7 @@ Of a cylinder, whose block records its pieces, all of them are required:
 - `in_sync`: conditions; `next_cut`, `next_cut_shown`: as of a belt.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from motionsync.blocks import BLOCKS
@@ -59,13 +59,13 @@ MARKS = ("master_marks", "slave_marks")
 
 
 def pictures_of(recipe: Recipe) -> list[dict[str, Any]]:
-    """The pictures of this block; none for one without a picture, or that is not registered.
+    """The pictures of this block; none for one without this file.
 
     Raises:
         UserError: a picture lacks a key, or names what the block has not.
     """
-    file = block_file(BLOCKS[recipe.name], FILE) if recipe.name in BLOCKS else None
-    if not (file and file.is_file()):
+    file = block_file(BLOCKS[recipe.name], FILE)
+    if not file.is_file():
         return []
     pictures = read_toml(file).tables("picture")
     for picture in pictures:
@@ -81,6 +81,17 @@ class _PictureTable(VariableTable):
 
     def fits(self, v: Variable) -> bool:
         return True
+
+
+def named_in(picture: Mapping[str, Any]) -> Iterator[str]:
+    """The names of all variables that a picture, or a mark in one, names."""
+    for key, given in picture.items():
+        if key in MARKS:
+            for mark in given:
+                yield from named_in(mark)
+        elif key not in TEXTS:
+            for text in [given] if isinstance(given, str) else given:
+                yield from text.partition(" == ")[0].split(" unless ")
 
 
 def _check(table: TomlTable, required: Iterable[str], block: Subject) -> None:

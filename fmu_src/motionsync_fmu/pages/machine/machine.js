@@ -1,10 +1,10 @@
 "use strict";
-// The animated picture of a run's machine. Its data are next to this script, from fragment.py, or given to `load`; they have
-// signals as signals.py writes them. A scene below draws them at a time.
+// The animated picture of a run's machine, from data that machine_data.js makes: of the recording that is next to this script,
+// or on the page, which gives them to `load`. A scene below draws them at a time.
 // `window.motionsyncMachine.show(t)` stops the machine and shows it at t, in s; `play(true)` lets it go.
 (() => {
 const root = document.currentScript.closest(".motionsync-machine");
-const given = root.querySelector("script[type='application/json']");
+const given = root.querySelector("script[type='application/octet-stream']");
 const svg = root.querySelector("svg");
 const [button, slider, clock, speed] =
   ["button", "input", "output", "select"].map((name) => root.querySelector(`.controls ${name}`));
@@ -15,12 +15,14 @@ const scenes = {}; // by name: each makes a scene of the present data
 
 // --- signals ---
 
+const CLOSE = 1e-9; // s: a time that is so little after t counts as t
+
 /** The place of the last entry of `times` that is not after t; the first one if all are. */
 function last(times, t) {
   let low = 0, high = times.length;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
-    if (times[middle] <= t) low = middle; else high = middle;
+    if (times[middle] <= t + CLOSE) low = middle; else high = middle;
   }
   return low;
 }
@@ -196,7 +198,7 @@ function showPieces(done) {
   showReadout("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
 }
 
-/* fragment.py puts the scenes here: axes.js, belt.js, cylinder.js, window.js */
+/* fragment.py puts the scenes here */
 
 /** Fit the picture and its readouts to the width of the page. */
 function fit() {
@@ -308,6 +310,6 @@ window.motionsyncMachine = {
     show(t);
   },
   play: (on) => data && play(on),
+  drawn: () => data,
 };
-if (given) load(JSON.parse(given.textContent));
 })();

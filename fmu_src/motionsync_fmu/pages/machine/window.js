@@ -1,4 +1,4 @@
-// The scene of an axis on another controller: remote_axis.py makes the data. A magnified window moves with the
+// The scene of an axis on another controller. A magnified window moves with the
 // true axis; in it are the axis of the telegram, and that of the block. Below is what has just been.
 scenes.window = () => {
 const HEIGHT = 252, EDGE = 34, RULER = 92, PAST_TOP = 150, PAST_BOTTOM = 238; // px

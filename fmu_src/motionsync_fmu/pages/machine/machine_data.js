@@ -1,15 +1,19 @@
 "use strict";
-// What the animated machine draws, from a run in the page. It is what the package pages/machine makes of a recording; but
-// all points remain, since nothing has to be written to a file.
+// What the animated machine draws: `sceneOf` makes it of the course of a run, for a report as for a page that runs the block.
+// A course has the `scenario`, the `time` of its points in s, at these points `column(name)`, any variable of the block, and
+// `axis(order)`, the scripted axis without wrapping; of a remote axis also its `errors`, at all points but the first.
+//
+// A signal has the columns `t`, s, and `x`. With slopes `v`, it is smooth: the cubic between two points that has their values
+// and slopes (Hermite). Without, each value holds until the next one.
 
 const FINENESS = 2e-7; // of the range of what is drawn, to which numbers are shown
 const AXIS_MARGIN = 0.06; // of a linear axis' range, beside it at both ends
-const BELT_MARGIN = 0.14,
-  OUTFEED = 0.7,
-  REACH = 1,
-  LEAST = 1e-3; // as in belt.py
-const USUAL = 0.98,
-  WINDOW_MARGIN = 1.6; // as in remote_axis.py
+const BELT_MARGIN = 0.14, // of the carriage's range, beside it at both ends
+  OUTFEED = 0.7, // of that range, the most that is shown of the pieces that have been cut off
+  REACH = 1, // of that range, in which an end position is worth showing
+  LEAST = 1e-3; // of the master's travel: the least range, for a carriage at rest
+const USUAL = 0.98, // the share of the errors that the window of a remote axis shows
+  WINDOW_MARGIN = 1.6; // its half width, as a multiple of the greatest usual error
 
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 const greatest = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
@@ -150,7 +154,7 @@ function rangeOf(positions) {
 /** Whether two ranges can be drawn in one scale. */
 function alike(first, second) {
   const shorter = Math.min(first[1] - first[0], second[1] - second[0]);
-  return Math.max(first[1], second[1]) - Math.min(first[0], second[0]) < 3 * shorter;
+  return Math.max(first[1], second[1]) - Math.min(first[0], second[0]) <= 3 * shorter * (1 + FINENESS);
 }
 
 /** The slave's positions without turns: each in the turn nearest to where its velocities lead from the one before. */
@@ -325,13 +329,12 @@ function piecesOf(run) {
 /** Where the next cut is due at each point, 0 where it is not determined: in the turn in which it is made, or else in that of
  * the master. */
 function nextCuts(run, picture, pieces) {
-  const period = run.start("master.period"),
-    determined = run.values(picture.next_cut_shown),
-    reported = pieces.map((piece) => piece.reported);
+  const period = run.start("master.period"), determined = run.values(picture.next_cut_shown);
+  let next = 0; // the piece that is reported next
   return run.values(picture.next_cut).map((place, k) => {
+    while (pieces[next]?.reported <= run.time[k]) next++;
     if (!determined[k] || !period) return determined[k] ? place : 0;
-    const near = pieces[bisect(reported, run.time[k], true)]?.end ?? run.master[k];
-    return place + period * Math.round((near - place) / period);
+    return place + period * Math.round(((pieces[next]?.end ?? run.master[k]) - place) / period);
   });
 }
 
@@ -394,33 +397,8 @@ function cylinder(run, picture) {
 
 // --- an axis on another controller ---
 
-/** How far telegrams and slave are from the truth, at all points but the first (scenario/remote_view.py). */
-function errorsOf(course) {
-  const {
-      telegrams,
-      script,
-      scenario: {remote, settings},
-    } = course,
-    time = course.time.slice(1);
-  const slave = course.column("slave.position"), corrected = course.column(remote.corrected_index);
-  const later = settings.filter((s) => remote.delay in s.values).map((s) => [s.at, s.values[remote.delay]]);
-  const delays = [[0, telegrams.delay], ...later.sort((a, b) => a[0] - b[0])];
-  const errors = {time, index: [], corrected_index: [], position: [], corrected_position: []};
-  const wrapped = (x) => x - remote.wraps_at * Math.round(x / remote.wraps_at);
-  time.forEach((t, i) => {
-    const acted = telegrams.acted(t) - 1, instant = acted * telegrams.cycle, index = telegrams.trueIndex(instant);
-    const [seen, motion] = telegrams.telegram(telegrams.shown(course.time[i], t));
-    const delay = delays.findLast(([at]) => at <= instant + 1e-9)[1];
-    errors.index.push(wrapped(seen - index));
-    errors.corrected_index.push(wrapped(corrected[i + 1] - index));
-    errors.position.push(motion[0] - script.at(instant)[0]);
-    errors.corrected_position.push(slave[i + 1] - script.at(instant + delay - remote.behind * telegrams.nominal)[0]);
-  });
-  return errors;
-}
-
 function remoteAxis(run) {
-  const errors = errorsOf(run.course), sorted = errors.position.map(Math.abs).sort((a, b) => a - b);
+  const {errors} = run.course, sorted = errors.position.map(Math.abs).sort((a, b) => a - b);
   const at = USUAL * (sorted.length - 1), below = Math.floor(at), above = Math.ceil(at);
   const usual = sorted[below] + (at - below) * (sorted[above] - sorted[below]);
   const half = WINDOW_MARGIN * Math.max(usual, 1e-9 * span(run.master), 1e-9);
