@@ -185,21 +185,13 @@ def saws(draw: st.DrawFn) -> Scenario:
     )
 
 
-@drawn(
-    50,
-    anew=True,
-    shrink=False,
-)
+@drawn(50, anew=True, shrink=False)
 @given(scenario=saws())
 def test_random_programs_give_the_bits_of_python(scenario: Scenario) -> None:
     assert_as_in_python(scenario)
 
 
-@drawn(
-    15,
-    anew=True,
-    shrink=False,
-)
+@drawn(15, anew=True, shrink=False)
 @given(
     step_size=st.sampled_from([0.002, 0.0013, 0.0007]) | st.floats(3e-4, 0.002),
     cycle=st.floats(0.0005, 0.01),

@@ -73,14 +73,10 @@ class Pair:
         return int(refusal)
 
 
-@drawn(
-    20,
-    anew=True,
-    shrink=False,
-)
+@drawn(10, anew=True, shrink=False)
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
-    """Other runs each time; the test below compares at least 60 that are always the same."""
+    """Other runs each time; the test below compares at least 30 that are always the same."""
     strategy = load_strategy(block)
     library(BLOCKS[block])  # compiled before a run is drawn, which would be printed with each broken rule
     run = data.draw(strategy.runs(500))
@@ -97,7 +93,7 @@ def test_every_block_has_random_runs() -> None:
 
 @pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
-    """The random runs reach all features of their strategy, within a few runs. At least 60 are compared."""
+    """The random runs reach all features of their strategy, within a few runs. At least 30 are compared."""
     strategy, numbers = load_strategy(block), count(1)
     missing: set[Any] = {*strategy.required_features, "refused"}
 
@@ -110,7 +106,7 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
             if refusal:
                 pair.restart()
             missing.difference_update(strategy.watch(pair.block))
-        return next(numbers) >= 60 and not missing
+        return next(numbers) >= 30 and not missing
 
     draw_until(block, 500, 400, compare)
     assert not missing
@@ -126,11 +122,7 @@ def test_compiled_code_gives_the_bits_of_python_over_20_000_cycles_in_one_step()
         assert pair.step(20_000 * run.start["task_cycle_time"], {}) == 0
 
 
-@drawn(
-    12,
-    anew=True,
-    shrink=False,
-)
+@drawn(6, anew=True, shrink=False)
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject
