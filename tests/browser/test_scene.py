@@ -18,6 +18,7 @@ from motionsync_fmu.scenario.files.encoder_table import with_encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
 from tests.browser.conftest import Windows, opened_pages, write_machine
 from tests.browser.runs import record, run
@@ -187,6 +188,14 @@ def test_the_periods_of_two_axes_are_those_of_the_start_values(
     scenario, recording = run(name)
     scene = scene_of(replace(scenario, start={**scenario.start, **start}), recording)
     assert [axis["period"] for axis in scene["axes"]] == periods
+
+
+def test_a_mark_moves_when_its_parameter_is_set(scene_of: SceneOf) -> None:
+    scenario, recording = run("Synchronizer/polynomial")
+    settings = [*recording.settings, Setting(1.0, {"rest_value": 77.0})]
+    scene = scene_of(scenario, replace(recording, settings=settings))
+    (rest,) = (mark["at"] for mark in scene["axes"][1]["marks"] if mark["label"] == "rest")
+    assert (at_points(rest, recording) == np.where(recording.time[:-1] < 1.0 - 1e-9, 180.0, 77.0)).all()
 
 
 def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> None:
