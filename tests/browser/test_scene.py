@@ -139,8 +139,8 @@ MARKS: dict[str, dict[str, tuple[list[str], list[str]]]] = {
         "rest": (["rest_value"], []),
     },
 }
-"""By label, the variables of a mark's place or of its ends, and when it is shown, empty: always; first the master's mark,
-then those of the slave."""
+"""By label, the variables of a mark's place or of its ends, and when it is shown (empty: always); the first is the
+master's mark, the others are the slave's."""
 
 
 @pytest.mark.parametrize("name", COUPLED)
