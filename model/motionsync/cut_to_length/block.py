@@ -12,7 +12,7 @@ from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
 from ..cutting.outputs import show_line_request, show_marks, show_queues, show_skipped_cut
-from ..cutting.pieces import record_piece, try_drop_turns
+from ..cutting.pieces import fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
 from ..master_path import MOST_EVENTS, NEVER
@@ -29,7 +29,7 @@ from .interface import CutToLengthInterface, ToolMode
 from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, skip_late_cuts
 from .machine_limits import approach_distance, lead
 from .outputs import show_cut, show_saw_warnings, show_state
-from .pieces import fix_piece, update_piece
+from .pieces import update_piece
 from .predictions import Predictions
 from .settings import MachineSettings, refused_parameter, start_refusal
 
@@ -463,7 +463,7 @@ class CutToLength(CutToLengthInterface):
         record_piece(self, self.material, self.records, self.carriage.cut, self.sync_time, self.reserve.share)
         self.warning.change_pending = False
         self.reserve.end_cut()
-        fix_piece(self, self.operation, self.material)
+        fix_piece(self.operation, self.material, self.material.settings.has_piece(self), False)
         self.warning.gap_skipped = False
         velocity = self.master.present_velocity()
         cycle = self.carriage.cycle_machine

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from .. import var
 from ..cutting.piece import UNLIMITED
 from ..master import Master
-from .curves import Peaks, Way
+from .curves import Peaks, Way, keeps_limits
 from .cycle import Cycle
 from .knife import Knife
 from .limits import EarliestCut
-from .velocity import keeps_limits
 from .window import CurvePoint, Cut, Window
 
 MOST_PLACES = 64  # that are tried one by one

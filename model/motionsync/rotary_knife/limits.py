@@ -11,9 +11,8 @@ from .. import var
 from ..cutting.piece import UNLIMITED
 from ..motion.laws import POLYNOMIAL_3_4_5_D1, POLYNOMIAL_3_4_5_D2, POLYNOMIAL_3_4_5_D3
 from ..numerics.cube_root import cube_root
-from .curves import FAR_BACK, Peaks, Way, ramp_down_travel, ramp_up_travel
+from .curves import FAR_BACK, Peaks, Way, admissible_velocity, ramp_down_travel, ramp_up_travel
 from .knife import Knife
-from .velocity import admissible_velocity
 from .way_search import WaySearch
 from .window import Cut, Window
 

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..numerics.bracket import ITERATIONS, Bracket
-from .curves import TURNING_BACK, Peaks, Way
+from .curves import TURNING_BACK, Peaks, Way, admissible_velocity
 from .knife import Knife
-from .velocity import admissible_velocity
 from .window import CurvePoint, Cut
 
 GOLDEN = 0.6180339887498949  # (sqrt(5) - 1) / 2

@@ -8,10 +8,9 @@ from hypothesis import strategies as st
 
 from motionsync.cutting.piece import UNLIMITED
 from motionsync.motion.laws import chain_rule
-from motionsync.rotary_knife.curves import Peaks
+from motionsync.rotary_knife.curves import Peaks, admissible_velocity, keeps_limits
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.limits import NO_LENGTH, CycleLimit, EarliestCut, LengthLimits
-from motionsync.rotary_knife.velocity import admissible_velocity, keeps_limits
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window, leaves_way
 from tests.model.rotary_knife.fake_blocks import KnifeGeometry
 from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
