@@ -123,7 +123,7 @@ class RotaryKnife(RotaryKnifeInterface):
         self.local.skip_reason = SkipReason.NONE
         self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.advance_clocks(h)
@@ -299,7 +299,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     # --- the master's path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
