@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from . import var
+from .clock import Clock
 from .numerics.bracket import can_halve, halve, middle
 from .numerics.computable_range import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
+NEVER = 1e300  # s since the step's beginning
 MOST_EVENTS = 10_000_000  # in a section: no block has more than eight in one of a million cycles
 
 
@@ -133,6 +135,12 @@ class MasterPath:
         """Nothing is left of the section."""
         self.reached = self.end
         self.now = self.until
+
+    def due(self, clock: Clock, time: float) -> float:
+        """When a clock reaches a time, in s since the step's beginning, not before now; NEVER: not on what is left."""
+        if not clock.has_reached(time, self.until):
+            return NEVER
+        return max(self.now, min(time - clock.time, self.until))
 
     def is_correction(self) -> bool:
         """Whether the section is the input correction."""

@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
@@ -13,6 +13,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario, read_scenario_text
 from motionsync_fmu.scenario.scenario import AtTime, When, Within
 from tests.support.calls import calls
+from tests.support.drawn import drawn
 from tests.support.scenario_texts import SEGMENTS, VALID, assert_refused
 
 SETTINGS = VALID[VALID.index("[[set]]") : VALID.index("[[expect]]")]
@@ -60,18 +61,13 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "limits for a number": ('"slave.position" = 1.0', '"slave.position" = { min = 1.0 }', "slave.position", ("Real",)),
     "limit is a text": ("max = 90.0", 'max = "90"', "slave.velocity", ("max", "'90'", "number")),
     # durations and times
-    "duration negative": ("duration = 1.5", "duration = -1.5", "duration", ("-1.5", "> 0")),
     "duration 0": ("duration = 1.5", "duration = 0", "duration", ("0", "> 0")),
     "duration NaN": ("duration = 1.5", "duration = nan", "duration", ("nan", "finite")),
-    "duration infinite": ("duration = 1.5", "duration = inf", "duration", ("inf", "finite")),
     "duration missing": ("duration = 1.5", "velocity = 1.5", "duration", ("missing",)),
     "two kinds in a segment": ("acceleration = 1.0 },", "acceleration = 1.0, jerk = 2.0 },", "jerk", ("at most one",)),
-    "kind is NaN": ("acceleration = 1.0 },", "acceleration = nan },", "acceleration", ("nan", "finite")),
     "set at 0": ("at = 0.5", "at = 0", "at", ("start value", "[start]")),
-    "set before 0": ("at = 0.5", "at = -0.5", "at", ("-0.5",)),
     "set after the end": ("at = 0.5", "at = 4.5", "at", ("4.5", "stop_time = 4")),
     "set at the end": ("at = 0.5", "at = 4.0", "at", ("4", "stop_time = 4")),
-    "set at NaN": ("at = 0.5", "at = nan", "at", ("nan", "finite")),
     "set without at": ("at = 0.5", "", "at", ("missing",), "[[set]]"),
     "set of nothing": ("stop = true\n", "", "at", ("nothing",), "at = 0.5"),
     # what cannot be set
@@ -157,7 +153,6 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "expected after the end": ("at = 2.0", "at = 5.0", "at", ("5", "<= 4")),
     "expected before 0": ("at = 2.0", "at = -1.0", "at", ("-1", ">= 0")),
     "tolerance negative": ("tolerance = 1e-6", "tolerance = -1e-6", "tolerance", (">= 0",)),
-    "tolerance NaN": ("tolerance = 1e-6", "tolerance = nan", "tolerance", ("nan", "finite")),
     "from after to": ("from = 0.0\nto = 1.0", "from = 2.0\nto = 1.0", "to", ("1", ">= 2"), "to = 1.0"),
     "to missing": ("to = 1.0\n", "", "to", ("missing",), FROM),
     "to after the end": ("to = 1.0", "to = 4.5", "to", ("4.5", "<= 4")),
@@ -206,9 +201,7 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "stop_time missing": ("stop_time = 4.0\n", "", "stop_time", ("missing",), "title"),
     "step_size missing": ("step_size = 0.01\n", "", "step_size", ("missing",), "title"),
     "stop_time 0": ("stop_time = 4.0", "stop_time = 0", "stop_time", ("> 0",)),
-    "stop_time infinite": ("stop_time = 4.0", "stop_time = inf", "stop_time", ("inf", "finite")),
     "step_size 0": ("step_size = 0.01", "step_size = 0.0", "step_size", ("> 0",)),
-    "step_size negative": ("step_size = 0.01", "step_size = -0.01", "step_size", ("> 0",)),
     "step_size beyond the end": ("step_size = 0.01", "step_size = 4.5", "step_size", ("4.5", "<= 4")),
     "absurdly many steps": ("step_size = 0.01", "step_size = 1e-9", "step_size", ("1e-09", "steps")),
     "denormal step": ("step_size = 0.01", "step_size = 1e-320", "step_size", ("steps",)),
@@ -304,7 +297,7 @@ LITERALS = st.sampled_from(
 
 
 @given(DEEP | st.text(max_size=40), st.integers(0, len(VALID)))
-@settings(deadline=None)
+@drawn(anew=True)
 def test_a_text_in_a_file_is_read_or_refused(inserted: str, at: int) -> None:
     """Also one that nests tables and lists as deep as the recursion of Python goes, and deeper."""
     line = VALID.rfind("\n", 0, at) + 1
@@ -313,7 +306,7 @@ def test_a_text_in_a_file_is_read_or_refused(inserted: str, at: int) -> None:
 
 
 @given(st.data(), LITERALS)
-@settings(deadline=None)
+@drawn(anew=True)
 def test_a_value_of_another_kind_is_read_or_refused(data: st.DataObject, literal: str) -> None:
     place = data.draw(st.sampled_from(list(PLACES.finditer(VALID))))
     with suppress(UserError):

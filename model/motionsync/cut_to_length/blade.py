@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.instants import NEVER, due_instant
 from ..cutting.piece import PieceInProgress
 from ..master import Master
-from ..master_path import MasterPath
+from ..master_path import NEVER, MasterPath
 from ..slave import Edge
 from .carriage import Carriage, Stage
 from .instants import Condition, first_instant
@@ -50,7 +49,7 @@ class Blade:
             if cycle.on_delay > cycle.settle_time:
                 time = first_instant(Condition.COMMAND, master, carriage, piece, path.until)
         elif not tool.blade_down:
-            time = due_instant(self.command_clock, cycle.on_delay, path.now, path.until)
+            time = path.due(self.command_clock, cycle.on_delay)
         if time == NEVER:
             return NEVER
         if first_instant(Condition.SYNC, master, carriage, piece, time) < time:
@@ -66,9 +65,9 @@ class Blade:
         cycle = carriage.cycle_machine
         sync_clock = carriage.stage_clock
         if not tool.command:
-            return due_instant(sync_clock, max(cycle.settle_time - cycle.on_delay, 0.0), path.now, path.until)
-        touch = due_instant(self.command_clock, cycle.on_delay, path.now, path.until)
-        settled = due_instant(sync_clock, cycle.settle_time, path.now, path.until)
+            return path.due(sync_clock, max(cycle.settle_time - cycle.on_delay, 0.0))
+        touch = path.due(self.command_clock, cycle.on_delay)
+        settled = path.due(sync_clock, cycle.settle_time)
         if not tool.blade_down and touch < settled:
             return touch
         return max(touch, settled)
@@ -90,11 +89,11 @@ def stage_end(carriage: Carriage, blade: Blade, tool: Tool, master: Master, piec
             if tool.mode == ToolMode.DISTANCE:
                 time = first_instant(Condition.THROUGH, master, carriage, piece, path.until)
             elif tool.mode == ToolMode.TIME:
-                time = due_instant(clock, carriage.cycle_machine.cut_time, path.now, path.until)
+                time = path.due(clock, carriage.cycle_machine.cut_time)
             elif carriage.cut_timeout > 0.0:
-                time = due_instant(clock, carriage.cut_timeout, path.now, path.until)
+                time = path.due(clock, carriage.cut_timeout)
         case Stage.PULLING:
             time = first_instant(Condition.GAP_OPEN, master, carriage, piece, path.until)
         case _:
-            time = due_instant(clock, carriage.clearing_time, path.now, path.until)
+            time = path.due(clock, carriage.clearing_time)
     return time

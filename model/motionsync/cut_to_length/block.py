@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from .. import var
 from ..clock import Clock
 from ..cutting.faults import MarkRefusal, PieceFault
-from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -16,7 +15,7 @@ from ..cutting.outputs import show_line_request, show_marks, show_queues, show_s
 from ..cutting.pieces import fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
-from ..master_path import MOST_EVENTS
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.exceeded_limit import ExceededLimit
 from ..numerics.cosine import cosine
 from .blade import Blade, stage_end
@@ -222,10 +221,6 @@ class CutToLength(CutToLengthInterface):
             case _:
                 return self.try_event_on_curve()
 
-    def due(self, clock: Clock, time: float) -> float:
-        """When a clock reaches a time, in s since the step's beginning; NEVER: not on what is left of the section."""
-        return due_instant(clock, time, self.master.path.now, self.master.path.until)
-
     def first(self, condition: Condition) -> float:
         """The first instant from now on at which a condition holds; NEVER: not on what is left of the section."""
         return first_instant(condition, self.master, self.carriage, self.material.piece, self.master.path.until)
@@ -234,7 +229,7 @@ class CutToLength(CutToLengthInterface):
 
     def try_event_returning(self) -> bool:
         """The carriage arrives, or has halted to come home with ease."""
-        time = self.due(self.carriage.homing.motion.clock, self.carriage.homing.motion.end_time())
+        time = self.master.path.due(self.carriage.homing.motion.clock, self.carriage.homing.motion.end_time())
         if time == NEVER:
             return False
         self.master.path.now = time
@@ -275,7 +270,7 @@ class CutToLength(CutToLengthInterface):
 
     def try_settle(self) -> bool:
         """The carriage has rested at home for long enough."""
-        time = self.due(self.carriage.stage_clock, self.settings.homing.settle_time)
+        time = self.master.path.due(self.carriage.stage_clock, self.settings.homing.settle_time)
         if time == NEVER:
             return False
         self.master.path.now = time
@@ -320,7 +315,7 @@ class CutToLength(CutToLengthInterface):
         if self.carriage.curve.has_joined:
             return False
         path = self.master.path
-        clear = self.due(self.carriage.stage_clock, self.carriage.clearing_time)
+        clear = self.master.path.due(self.carriage.stage_clock, self.carriage.clearing_time)
         piece = self.material.piece
         time = first_instant(Condition.SYNC, self.master, self.carriage, piece, min(clear, path.until))
         if time == NEVER:
@@ -358,14 +353,14 @@ class CutToLength(CutToLengthInterface):
     def act_in_sync(self, time: float) -> None:
         """The tool is commanded, the blade touches, or the cut starts."""
         cycle = self.carriage.cycle_machine
-        touch = self.due(self.blade.command_clock, cycle.on_delay)
+        touch = self.master.path.due(self.blade.command_clock, cycle.on_delay)
         self.master.path.now = time
         if not self.tool.command:
             self.command_tool(True)
         elif (
             touch == time
             and not self.tool.blade_down
-            and due_instant(self.carriage.stage_clock, cycle.settle_time, time, time) == NEVER
+            and not self.carriage.stage_clock.has_reached(cycle.settle_time, time)
         ):
             self.tool.blade_down = True
         else:

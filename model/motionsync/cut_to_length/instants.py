@@ -1,8 +1,8 @@
 """The instants of events inside a step from which on a condition holds."""
 
-from ..cutting.instants import NEVER
 from ..cutting.piece import PieceInProgress
 from ..master import Master
+from ..master_path import NEVER
 from ..numerics.bracket import can_halve, halve, middle
 from ..var import Enumeration
 from .carriage import Carriage

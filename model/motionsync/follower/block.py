@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..master import MasterInput, PathRefusal
-from ..master_path import MOST_EVENTS
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.jerk_limited import Motion
 from ..motion.laws import chain_rule
 from ..numerics.computable_range import LARGEST, clamp, is_usable
@@ -209,9 +209,8 @@ class Follower(FollowerInterface):
 
     def try_event_to_park(self) -> bool:
         """The slave arrives at the park, whatever the master does."""
-        if not self.positioning_ends():
+        if not self.try_arrive():
             return False
-        self.go_to_arrival()
         self.sequence.current.rest_at(self.sequence.current.park)
         self.sequence.meetings.uses_value = False
         return True
@@ -224,12 +223,11 @@ class Follower(FollowerInterface):
         if abs(end - current.highest) > tolerance:
             limit = current.highest + (tolerance if end > current.highest else -tolerance)
             time = self.master.path.crossing_time(limit)
-            if not (self.positioning_ends() and self.arrival_time() <= time):
+            if self.arrival_time() > time:
                 self.alarm(Fault.MASTER_MOVED, time, limit)
                 return False
-        if not self.positioning_ends():
+        if not self.try_arrive():
             return False
-        self.go_to_arrival()
         current.enter_cycle(self.sequence.candidate.stage)
         self.sequence.meetings.uses_value = self.sequence.meetings.uses_value and not current.is_parked()
         return True
@@ -294,22 +292,18 @@ class Follower(FollowerInterface):
 
     # --- what several stages have in common ---
 
-    def positioning_ends(self) -> bool:
-        """Whether a positioning ends in the section."""
-        return self.motion.is_over(self.master.path.until)
-
     def arrival_time(self) -> float:
-        """The time since the step's beginning at which a positioning ends, within the section."""
-        path = self.master.path
-        return clamp(self.motion.time_left(), path.now, path.until)
+        """When a positioning ends, in s since the step's beginning; NEVER: not on what is left of the section."""
+        return self.master.path.due(self.motion.clock, self.motion.end_time())
 
-    def go_to_arrival(self) -> None:
-        """The master has reached the position where a positioning ends."""
+    def try_arrive(self) -> bool:
+        """The master reaches the position where a positioning ends, if that is on what is left of the section."""
         path = self.master.path
         arrival = self.arrival_time()
-        if arrival > path.now:
+        if arrival > path.now and arrival != NEVER:
             position = path.end if arrival >= path.until else path.position(arrival)
             path.reached = clamp(position, min(path.reached, path.end), max(path.reached, path.end))
+        return arrival != NEVER
 
     def try_end_cam_section(self) -> bool:
         """Go to the end of the cam section; False: it is beyond the section. A master that goes back, not by noise, is

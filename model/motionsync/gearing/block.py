@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..master_path import MOST_EVENTS
-from ..numerics.computable_range import clamp
+from ..master_path import MOST_EVENTS, NEVER
 from ..numerics.grid import wrap
 from ..slave import Edge
 from .faults import Fault, Refusal
@@ -281,10 +280,11 @@ class Gearing(GearingInterface):
     def try_event_time_based(self) -> bool:
         """On the way to the line or to rest: its time is over. The input correction takes no time."""
         path = self.master.path
-        curve = self.manoeuvre.time_curve
-        if path.is_correction() or not curve.is_over(path.until):
+        time_curve = self.manoeuvre.time_curve
+        time = path.due(time_curve.clock, time_curve.curve.length)
+        if path.is_correction() or time == NEVER:
             return False
-        path.now = clamp(curve.time_left(), path.now, path.until)
+        path.now = time
         path.reached = path.end if path.now >= path.until else path.position(path.now)
         self.manoeuvre.end_transition(self)
         return True

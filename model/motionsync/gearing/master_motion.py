@@ -6,9 +6,9 @@ from ..master import Master
 from ..master_path import MasterPath
 from ..numerics.grid import ROUNDING, rounding_tolerance
 from ..var import LARGEST_INPUT
-from .curves import SAME_TIME
 from .line import direction_of
 
+SAME_TIME = 1e-13  # of a step: a time that is shorter is taken for a rounding error
 REST_TOLERANCE = 1e-13  # of the speed in a step: what rounding leaves of a velocity that reaches 0
 GREATEST_PERIOD = 1e25  # u: the master never travels so far; a period beyond it is none
 

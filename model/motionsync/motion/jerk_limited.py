@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..clock import Clock
+from ..clock import SAME_TIME, Clock
 from ..numerics.bracket import can_halve, halve, middle
 from ..numerics.computable_range import SHORTEST_TIME, clamp, to_computable_rate
-
-SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
 
 
 @dataclass(slots=True)
@@ -99,7 +97,7 @@ class Motion:
 
     def is_over(self, time: float) -> bool:
         """Whether the last segment has started by then, but for rounding of the time."""
-        return self.clock.time + time >= self.end_time() * SAME_TIME
+        return self.clock.has_reached(self.end_time(), time)
 
     def at(self, time: float) -> tuple[float, float, float, float]:
         """Position, velocity, acceleration and jerk; where two segments meet, those of the later one."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from .. import var
 from ..clock import Clock
 from ..cutting.faults import MarkRefusal, PieceFault
-from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import LateMode, PieceKind
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -24,7 +23,7 @@ from ..cutting.piece import UNLIMITED
 from ..cutting.pieces import can_change_pieces, fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
-from ..master_path import MOST_EVENTS
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.axis_limits import AxisLimits
 from ..motion.exceeded_limit import ExceededLimit
 from ..motion.laws import chain_rule
@@ -319,7 +318,7 @@ class RotaryKnife(RotaryKnifeInterface):
         """The knife arrives at park."""
         path = self.master.path
         motion = self.parking.motion
-        time = due_instant(motion.clock, motion.end_time(), path.now, path.until)
+        time = path.due(motion.clock, motion.end_time())
         if time == NEVER:
             return False
         path.now = time

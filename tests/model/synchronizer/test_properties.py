@@ -3,17 +3,17 @@
 from itertools import pairwise
 from typing import Any
 
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from motionsync.synchronizer.interface import Curve
 from tests.model.synchronizer.harness import END, EXECUTING, ONLY, PARABOLA, POLYNOMIAL, START, Harness
 from tests.model.synchronizer.scripted_runs import Scales, assert_as_oracle, coinciding, parts, scripts
+from tests.support.drawn import drawn
 from tests.support.oracle_runs import corners, grid
 
-settings.register_profile("synchronizer", derandomize=True, deadline=None, max_examples=250)
-repeatable = settings.get_profile("synchronizer")
+repeatable = drawn(250)
 
 
 @repeatable
@@ -47,7 +47,7 @@ def test_with_positions_only_the_block_is_its_oracle(scenario: dict[str, Any], h
     assert_as_oracle(scenario, ends, ONLY, times, tolerances)
 
 
-@settings(repeatable, max_examples=300)
+@drawn(300)
 @given(st.randoms(use_true_random=True).map(coinciding), st.sampled_from([1.0, 0.25, 0.0625]))
 def test_events_may_coincide_with_steps_and_with_each_other(scenario: dict[str, Any], h: float) -> None:
     """Compared in between, where what has happened at such an instant has its consequences."""
