@@ -58,8 +58,9 @@ def through_fmpy(host: FmuInstance, case: Steady, axis: MovingAxis) -> Callable[
 
 
 def compile_c(source: Path, target: Path) -> Path:
-    """Compile a C program with zig; the FMI headers are in its include path."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", "-I", str(HEADERS)]
+    """Compile a C library with zig; the FMI headers are in its include path."""
+    flags = ["-O2", "-shared", "-fPIC", "-ffp-contract=off", "-I", str(HEADERS)]
+    command = [sys.executable, "-m", "ziglang", "cc", *flags]
     subprocess.run([*command, str(source), "-o", str(target)], check=True)
     return target
 

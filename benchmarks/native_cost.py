@@ -1,29 +1,29 @@
 """What a step of the native flavour costs, beside a do-nothing FMU and the python flavour.
 
 The do-nothing FMU is the block's own, which takes, checks and answers the same variables, but its block does nothing.
-All are measured in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python,
-drives the native unit and the do-nothing one; FMPy drives both flavours as well. The worst steps are
-those at whose beginning commands are given: the modules in cases/ say which these are for each block, and which outputs
-show that the commands were planned. A block with a master is also measured in each input mode of the master.
+All are measured in one run, in turns, so that the ratios hold on a busy machine. Loops in C (host.c), without any
+Python and with nothing logged, drive the native unit and the do-nothing one; FMPy drives both flavours as well. The
+worst steps are those at whose beginning commands are given: the modules in cases/ say which these are for each block,
+and which outputs show that the commands were planned. A block with a master is also measured in each input mode of
+the master.
 
     python benchmarks/native_cost.py [--block FlyingSaw] [--steps 20000]
 """
 
 import argparse
-import json
+import ctypes
 import math
 import platform
 import statistics
-import subprocess
 import tempfile
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
+import numpy as np
 from cases import MEASURED, cases_of
 from cases.measured import VELOCITY, Cases, H, MovingAxis, Steady, Worst
 from cost import (
@@ -42,8 +42,8 @@ from rich.table import Table
 
 from motionsync_fmu.fmus.fmu import build, build_python
 from motionsync_fmu.fmus.guid import compute_guid
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import Compilation
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.native.unit_sources import c_sources
@@ -59,58 +59,45 @@ int64_t block_initialize(Block *self, bool *failed) { return 0; }
 int64_t block_step(Block *self, double h, bool *failed) { return 0; }
 """
 IN_C_HOST, FMPY = "C host: ", "FMPy: "
+TIMES = 5  # that the steps of a worst case are repeated
+CALLS = {  # the functions of FMI that host.c calls
+    **{f"{way}_{kind.lower()}": f"fmi2{way.title()}{kind}" for kind in ("Real", "Integer") for way in ("set", "get")},
+    "set_boolean": "fmi2SetBoolean",
+    "do_step": "fmi2DoStep",
+}
+LISTS = ("master", "counter", "outputs", "commands", "between", "draws", "aheads", "bases", "watched")
 
 
-class CHost:
-    """The C host in a process of its own, which gets its commands line by line (host.c lists them)."""
+class References(ctypes.Structure):
+    """Some variables, by their value references."""
 
-    def __init__(self, program: Path, library: Path, recipe: Recipe, axis: MovingAxis) -> None:
-        self.variables = {v.name: (i, v.kind) for i, v in enumerate(variables(recipe.block()))}
-        command = [str(program), str(library), compute_guid(recipe)]
-        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
-        self.axis = axis
-        self.send("master", *self.index(*axis.motion))
-        self.send("outputs", *self.index(*OUTPUTS))
+    _fields_ = (("r", ctypes.POINTER(ctypes.c_uint)), ("n", ctypes.c_size_t))
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        assert self.process.stdin
-        self.process.stdin.close()
-        self.process.wait()
+class CHost(ctypes.Structure):
+    """A unit and what the loops of host.c set and get at each step; the fields are explained there."""
 
-    def index(self, *names: str) -> list[int]:
-        return [self.variables[name][0] for name in names]
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("unit", *CALLS)),
+        *((name, References) for name in LISTS),
+        *((name, ctypes.c_double) for name in ("counts", "now", "place")),
+    )
 
-    def send(self, *words: object) -> None:
-        assert self.process.stdin
-        print(*words, file=self.process.stdin)
+    def __init__(self, library: ctypes.CDLL, fmu: FmuInstance, axis: MovingAxis, case: Steady | Worst, **lists: Any):
+        """A host whose unit is initialized for a case; `lists`: names of variables, by the fields of host.c."""
+        self.library, self.fmu, self.axis = library, fmu, axis
+        fmu.initialize(case.start)
+        fmu.unit.setDebugLogging(False, [])
+        calls = {name: ctypes.cast(getattr(fmu.unit.dll, call), ctypes.c_void_p) for name, call in CALLS.items()}
+        super().__init__(unit=fmu.unit.component, counts=case.counts, now=fmu.time, **calls)
+        lists |= {"master": axis.motion, "counter": filter(None, [axis.counter]), "outputs": OUTPUTS}
+        for name in LISTS:
+            references = fmu.references(lists.get(name, ()))
+            setattr(self, name, References((ctypes.c_uint * len(references))(*references), len(references)))
 
-    def count(self, counts: float) -> None:
-        """Let the axis' counter gain `counts` a second, if the axis has a counter."""
-        if self.axis.counter:
-            self.send("counter", *self.index(self.axis.counter), counts)
-
-    def set(self, values: Mapping[str, Any]) -> None:
-        for name, value in values.items():
-            index, kind = self.variables[name]
-            if kind == "Real":
-                self.send("real", index, float(value).hex())
-            else:
-                self.send("boolean" if kind == "Boolean" else "integer", index, int(value))
-
-    def query(self, *words: object) -> str:
-        self.send(*words)
-        assert self.process.stdout
-        return self.process.stdout.readline()
-
-    def get(self, name: str) -> int:
-        """The value of an Integer, enumeration or Boolean."""
-        index, kind = self.variables[name]
-        return int(self.query("booleans" if kind == "Boolean" else "integers", index))
+    def measure(self, loop: str, n: int, *arguments: Any) -> None:
+        status = getattr(self.library, loop)(ctypes.byref(self), ctypes.c_long(n), *arguments)
+        assert status == 0, f"a step of {self.fmu.description.modelName} had the status {status}"
 
 
 class SteadySteps:
@@ -119,49 +106,51 @@ class SteadySteps:
     `undisturbed` is the mean of the quickest steps on end: what a step takes when no other program is in the way.
     """
 
-    def __init__(self, host: CHost, case: Steady) -> None:
-        self.host, self.case = host, case
-        self.undisturbed = math.inf
-        host.set(case.start)
-        host.send("initialize")
-        host.set({f"{host.axis.group}.velocity": VELOCITY, **case.begin})
-        host.send("step", case.first)
-        host.count(case.counts)
+    def __init__(self, library: ctypes.CDLL, fmu: FmuInstance, case: Steady, axis: MovingAxis) -> None:
+        self.host, self.case = CHost(library, fmu, axis, case), case
+        self.times = (ctypes.c_double * 2)(0.0, math.inf)
+        fmu.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
+        self.host.now = fmu.time
 
     def __call__(self, n: int) -> float:
-        times: dict[str, float] = json.loads(self.host.query("steady", n * IN_C, H, VELOCITY, self.case.change))
-        self.undisturbed = min(self.undisturbed, times["undisturbed_ns"])
-        return times["ns"]
+        self.host.measure("steady", n * IN_C, *map(ctypes.c_double, (H, VELOCITY, self.case.change)), self.times)
+        return self.times[0]
+
+    @property
+    def undisturbed(self) -> float:
+        return self.times[1]
 
     def check(self) -> None:
         """The case has held what it promises, up to the end."""
-        for name, value in self.case.holds.items():
-            actual = self.host.get(name)
-            assert actual == int(value), f"{self.case.name}: {name} is {actual}, it should be {int(value)}"
+        for name, value in self.host.fmu.get(self.case.holds).items():
+            expected = self.case.holds[name]
+            assert value == expected, f"{self.case.name}: {name} is {value}, it should be {expected}"
 
 
 class WorstSteps:
-    """A worst case in a C host: what its steps took, and whether they planned what they should."""
+    """A worst case in a C host: what its steps took, and whether they planned what they should.
 
-    def __init__(self, host: CHost, case: Worst) -> None:
-        self.host, self.case = host, case
+    The machine interrupts some steps. Therefore the whole is repeated 5 times with the same random numbers, and the
+    quickest of its 5 times counts for each step: the slowest of these is undisturbed_ns."""
+
+    def __init__(self, library: ctypes.CDLL, fmu: FmuInstance, case: Worst, axis: MovingAxis) -> None:
+        bases, ahead = [base for base, _ in case.ahead.values()], [bounds for _, bounds in case.ahead.values()]
+        names = {"commands": case.commands, "between": case.between, "draws": case.draws, "watched": case.watch}
+        self.host, self.case = CHost(library, fmu, axis, case, **names, aheads=case.ahead, bases=bases), case
+        self.bounds = [*case.draws.values()], ahead
         self.rounds: list[dict[str, float]] = []
         self.met: Counter[tuple[int, ...]] = Counter()
-        host.set(case.start)
-        host.send("initialize")
-        host.send("commands", *host.index(*case.commands))
-        host.send("between", *host.index(*case.between))
-        host.send("watch", *host.index(*case.watch))
-        host.count(case.counts)
-        for name, bounds in case.draws.items():
-            host.send("draw", *host.index(name), *bounds)
-        for name, (base, bounds) in case.ahead.items():
-            host.send("ahead", *host.index(name, base), *bounds)
 
     def measure(self, n: int) -> None:
-        worst = json.loads(self.host.query("worst", n, H, self.case.velocity, self.case.pause))
-        self.met.update({tuple(map(int, key.split())): times for key, times in worst.pop("met").items()})
-        self.rounds.append(worst)
+        random = np.random.default_rng(1)
+        given = [random.uniform(*np.reshape(bounds, (-1, 2)).T, (n, len(bounds))) for bounds in self.bounds]
+        took, seen = np.empty((TIMES, n)), np.empty((TIMES, n, len(self.case.watch)), np.int32)
+        for times, values in zip(took, seen, strict=True):
+            arrays = (array.ctypes for array in (*given, times, values))
+            self.host.measure("worst", n, *map(ctypes.c_double, (H, self.case.velocity, self.case.pause)), *arrays)
+        self.met.update(map(tuple, seen.reshape(TIMES * n, -1).tolist()))
+        figures = (np.median(took), np.quantile(took, 0.999), took.max(), took.min(axis=0).max())
+        self.rounds.append(dict(zip(WORST, map(float, figures), strict=True)))
 
     @property
     def planned(self) -> float:
@@ -173,9 +162,12 @@ class WorstSteps:
         assert self.planned > 0.3, f"{self.case.name}: {self.planned:.0%} planned; {self.case.watch} were {met}"
 
 
-def extracted(fmu: Path, block: str, folder: Path) -> Path:
-    with zipfile.ZipFile(fmu) as z:
-        return Path(z.extract(PLATFORM.library(block), folder))
+def idle(native: Path, block: str, library: Path, target: Path) -> Path:
+    """The native FMU with the do-nothing library as its only one."""
+    with zipfile.ZipFile(native) as z:
+        files = {n: z.read(n) for n in z.namelist() if not n.startswith("binaries/")}
+    write_zip(target, files | {PLATFORM.library(block): library.read_bytes()})
+    return target
 
 
 def worst_table(planners: Iterable[WorstSteps]) -> Any:
@@ -241,7 +233,7 @@ def idle_block(recipe: Recipe, folder: Path) -> Path:
     return library
 
 
-def report(block: str, n: int, program: Path, folder: Path, console: Console) -> None:
+def report(block: str, n: int, library: ctypes.CDLL, folder: Path, console: Console) -> None:
     """Build a block's FMUs, measure them, print the tables."""
     recipe, cases = Recipe(block), cases_of(block)
     first, axis = cases.steady[0], cases.axis
@@ -249,25 +241,27 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console) ->
         NATIVE: build(recipe, folder / "native.fmu", progress=console.print),
         PYTHON: build_python(recipe, folder / "python.fmu"),
     }
-    native = extracted(fmus[NATIVE], block, folder)
+    nothing = idle(fmus[NATIVE], block, idle_block(recipe, folder), folder / "idle.fmu")
     with ExitStack() as stack:
 
-        def by_c(library: Path) -> CHost:
-            return stack.enter_context(CHost(program, library, recipe, axis))
+        def steady_in_c(case: Steady, fmu: Path = fmus[NATIVE]) -> SteadySteps:
+            return SteadySteps(library, stack.enter_context(FmuInstance(fmu)), case, axis)
 
         def host(fmu: Path) -> FmuInstance:
             return start_case(stack.enter_context(FmuInstance(fmu)), first, axis)
 
-        in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
-        doing_nothing = {IN_C_HOST + IDLE: SteadySteps(by_c(idle_block(recipe, folder)), first)}
-        in_modes = {IN_C_HOST + case.name: SteadySteps(by_c(native), case) for case in cases.by_mode.values()}
+        in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": steady_in_c(case) for case in cases.steady}
+        doing_nothing = {IN_C_HOST + IDLE: steady_in_c(first, nothing)}
+        in_modes = {IN_C_HOST + case.name: steady_in_c(case) for case in cases.by_mode.values()}
         subjects = {
             **doing_nothing,
             **in_c,
             **in_modes,
             **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in fmus.items()},
         }
-        planners = [WorstSteps(by_c(native), case) for case in cases.worst]
+        planners = [
+            WorstSteps(library, stack.enter_context(FmuInstance(fmus[NATIVE])), case, axis) for case in cases.worst
+        ]
         steady = measure(subjects, n)
         for _ in range(ROUNDS):
             for planner in planners:
@@ -296,12 +290,12 @@ def main() -> None:
         parser.error("this benchmark is for Linux on x86-64")
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as root:
-        program = compile_c(FOLDER / "host.c", Path(root) / "host")
+        library = ctypes.CDLL(str(compile_c(FOLDER / "host.c", Path(root) / "host.so")))
         for block in [options.block] if options.block else MEASURED:
             console.rule(block)
             folder = Path(root) / block
             folder.mkdir()
-            report(block, options.steps, program, folder, console)
+            report(block, options.steps, library, folder, console)
 
 
 if __name__ == "__main__":

@@ -163,6 +163,10 @@ class Master:
             case _:
                 return self.try_predict(h, longest)
 
+    def present_velocity(self) -> float:
+        """The master's velocity where all events up to now are carried out, u/s."""
+        return self.velocity_at(self.path.now)
+
     def velocity_at(self, time: float) -> float:
         """The master's velocity at a time within the step, interpolated between the velocities at both ends.
 
@@ -175,11 +179,13 @@ class Master:
         path = self.path
         return (path.origin - position) + time * (path.velocity + time * (path.c2 + time * path.c3))
 
-    def goes_against(self, direction: float, section: int, travel: float) -> bool:
-        """Whether the master goes against a direction, 1 or -1, on the rest of a section, which is `travel` u long.
+    def goes_against(self, direction: float) -> bool:
+        """Whether the master goes against a direction, 1 or -1, on what is left of the path's section.
 
         The input correction is no motion: there it is enough that the velocity is against the direction."""
-        return direction * travel < 0.0 or (section == 0 and direction * self.begin_velocity < 0.0)
+        path = self.path
+        is_against = direction * (path.end - path.reached) < 0.0
+        return is_against or (path.section == 0 and direction * self.begin_velocity < 0.0)
 
     def mean_acceleration(self) -> float:
         """The constant acceleration that leads from the velocity at the step's beginning to that at its end, u/s2.

@@ -11,10 +11,13 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from . import var
+from .clock import Clock
 from .numerics.bracket import can_halve, halve, middle
 from .numerics.computable_range import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
+NEVER = 1e300  # s since the step's beginning
+MOST_EVENTS = 10_000_000  # in a section: no block has more than eight in one of a million cycles
 
 
 @dataclass(slots=True)
@@ -23,6 +26,10 @@ class MasterPath:
 
     Section i, 0 <= i < sections, is monotone from positions[i] at times[i] to positions[i + 1] at times[i + 1]. The
     motion within the step starts with section 1, at positions[1] = origin.
+
+    A block goes along section after section, and on each from event to event. What is left of `section` leads from
+    `reached`, where the master is at the time `now`, to `end` at the time `until`; the times count from the step's
+    beginning.
     """
 
     origin: float = 0.0
@@ -32,6 +39,11 @@ class MasterPath:
     sections: int = 0
     times: list[float] = var.ring(5)
     positions: list[float] = var.ring(5)
+    section: int = 0
+    reached: float = 0.0
+    now: float = 0.0
+    end: float = 0.0
+    until: float = 0.0
 
     def set_parabola(self, former: float, origin: float, velocity: float, acceleration: float, h: float) -> None:
         """The path of constant acceleration over h, after the correction from `former`. It has at most one turning
@@ -100,14 +112,49 @@ class MasterPath:
         self.times[self.sections] = time
         self.positions[self.sections] = position
 
+    def enter(self, section: int) -> None:
+        """Go to the beginning of a section, all of which is left."""
+        self.section = section
+        self.reached = self.positions[section]
+        self.now = self.times[section]
+        self.end = self.positions[section + 1]
+        self.until = self.times[section + 1]
+
+    def end_at(self, position: float) -> None:
+        """What is left of the section ends at a position on it."""
+        self.until = self.crossing_time(position)
+        self.end = position
+
+    def go_to(self, position: float) -> None:
+        """Go on to a position on the section; one that is behind is reached already."""
+        self.now = max(self.now, self.crossing_time(position))
+        is_rising = self.end > self.positions[self.section]
+        self.reached = max(self.reached, position) if is_rising else min(self.reached, position)
+
+    def leave(self) -> None:
+        """Nothing is left of the section."""
+        self.reached = self.end
+        self.now = self.until
+
+    def due(self, clock: Clock, time: float) -> float:
+        """When a clock reaches a time, in s since the step's beginning, not before now; NEVER: not on what is left."""
+        if not clock.has_reached(time, self.until):
+            return NEVER
+        return max(self.now, min(time - clock.time, self.until))
+
+    def is_correction(self) -> bool:
+        """Whether the section is the input correction."""
+        return self.section == 0
+
     def position(self, time: float) -> float:
         """x(time), u."""
         return self.origin + time * (self.velocity + time * (self.c2 + time * self.c3))
 
-    def crossing_time(self, section: int, position: float) -> float:
-        """The time at which a section passes a position on it, s; for a position beyond it, that of its nearer end.
+    def crossing_time(self, position: float) -> float:
+        """The time at which the section passes a position on it, s; for a position beyond it, that of its nearer end.
 
         On a parabola it has a closed form, on a cubic the time is bisected down to rounding. It is 0 on section 0."""
+        section = self.section
         if section == 0:
             return 0.0
         rising = self.positions[section + 1] > self.positions[section]

@@ -144,7 +144,7 @@ def merged(first: type[Enumeration], *others: type[Enumeration]) -> type[Enumera
     """An enumeration with the members of several, in the order of their values; the first one describes it.
 
     Members of the same name are the same."""
-    return _with_members(first, sorted((member for kind in (first, *others) for member in kind), key=int))
+    return _with_members(first, (member for kind in (first, *others) for member in kind))
 
 
 def selected(kind: type[Enumeration], *names: str) -> type[Enumeration]:
@@ -155,9 +155,10 @@ def selected(kind: type[Enumeration], *names: str) -> type[Enumeration]:
 def _with_members(
     kind: type[Enumeration], members: Iterable[Enumeration], others: Mapping[str, tuple[Any, ...]] | None = None
 ) -> type[Enumeration]:
-    """An enumeration with the `others`, given by their values, and these members, described as `kind` is."""
-    values: Any = dict(others or {}) | {m.name: (m.value, m.description, *m.names) for m in members}
-    made = EnumMeta.__call__(Enumeration, kind.__name__, values, module=kind.__module__)
+    """An enumeration with these members and the `others`, given by their values; described as `kind` is."""
+    values = {m.name: (m.value, m.description, *m.names) for m in members} | dict(others or {})
+    by_number: Any = dict(sorted(values.items(), key=lambda item: item[1][0]))
+    made = EnumMeta.__call__(Enumeration, kind.__name__, by_number, module=kind.__module__)
     made.__doc__ = kind.__doc__
     return cast(type[Enumeration], made)
 
@@ -436,7 +437,7 @@ def same(a: T, b: T) -> bool:
 def first_invalid(part: object) -> int:
     """The number of the first tunable parameter in a part that is out of its declared range; 0: there is none.
 
-    They are numbered from 1 on in the order of declaration, those in the parts inside included."""
+    They are numbered from 1 on in the order of declaration, those in the parts inside included, Booleans left out."""
     return _first_invalid(type(part), part)
 
 
@@ -478,17 +479,15 @@ def _first_invalid(part_class: type, part: object) -> int:
 
 @cache
 def _tunables(part_class: type) -> list[tuple[Callable[[Any], Any], Callable[[Any], bool]]]:
-    """What reads each tunable parameter of a part, and whether a value is within its range."""
+    """What reads each numbered parameter of a part, and whether a value is within its range."""
     shown = ((name, f, f.metadata.get("declaration")) for name, f in _elements(part_class, hidden=False))
-    return [(attrgetter(name), partial(_is_allowed, f)) for name, f, declared in shown if declared and declared.tunable]
+    tunables = ((name, f, d) for name, f, d in shown if d and d.tunable and not isinstance(f.default, bool))
+    return [(attrgetter(name), partial(_is_allowed, type(f.default), d)) for name, f, d in tunables]
 
 
-def _is_allowed(f: Field[Any], value: Any) -> bool:
-    """Whether a value is within the range that its field declares."""
-    kind, declaration = type(f.default), f.metadata.get("declaration")
-    if isinstance(kind, EnumMeta):
-        return any(value == member for member in kind)
-    return declaration is None or kind is bool or declaration.allows(value)
+def _is_allowed(kind: type, declaration: Declaration, value: Any) -> bool:
+    """Whether a value is within the declared range of a field of that kind."""
+    return value in kind._value2member_map_ if isinstance(kind, EnumMeta) else declaration.allows(value)
 
 
 def _elements(part_class: type, path: str = "", hidden: bool = True) -> Iterator[tuple[str, Field[Any]]]:

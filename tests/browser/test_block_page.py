@@ -6,7 +6,6 @@ import pytest
 
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import PLATFORMS
-from motionsync_fmu.pages import block_page
 from motionsync_fmu.pages.block_page import FmuContents, make_pages
 from tests.browser.conftest import Open
 
@@ -41,20 +40,6 @@ def test_the_page_has_its_title_its_picture_and_the_width_of_its_window(
     for width in (1152, 800, 400):
         page.set_viewport_size({"width": width, "height": 900})
         assert visit.overflow() == 0.0
-
-
-def test_a_page_that_was_made_small_has_all_its_elements_and_texts(
-    open_page: Open, file: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """But for line ends in a text, which a browser shows as blanks, and for texts of nothing else."""
-    shown = """[...document.body.querySelectorAll('*')].map(element => [element.tagName, element.children.length,
-        [...element.childNodes].filter(node => node.nodeType === Node.TEXT_NODE && node.data.trim())
-            .map(node => node.data.replace(/\\s+/g, ' ')).join('|').trim()])"""
-    small = open_page(file).page.evaluate(shown)
-    monkeypatch.setattr(block_page, "compact_page", lambda page: page)
-    whole = tmp_path / "whole"
-    whole.mkdir()
-    assert small == open_page(page_of(block, whole)).page.evaluate(shown)
 
 
 def test_a_plot_of_characters_has_its_lines(open_page: Open, tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ import hashlib
 import random
 import re
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from motionsync_fmu.explorer import page as explore_page
 from motionsync_fmu.explorer.data import explored as shown
 from motionsync_fmu.explorer.page import write_page
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
@@ -954,27 +954,21 @@ def test_a_line_that_follows_is_the_same_with_another_scan(chosen: Chosen, tmp_p
     assert visit.number(".stock", "master-position") == pytest.approx(recording.master[-1, 0], abs=1e-6)
 
 
-# --- the picture ---
-
-
-@pytest.mark.parametrize(
-    ("name", "output"), [("FlyingSaw/cyclic_cut", "in_sync"), ("CutToLength/basic_cut", "tool.blade_down")]
-)
-def test_the_blade_is_drawn_down_while_it_cuts(chosen: Chosen, name: str, output: str) -> None:
-    """It takes 0.06 s to go down, and is then 47 px lower than above the material."""
-    loaded = shown(load_scenario(ROOT / "scenarios" / name / "scenario.toml"))
-    recording = record(loaded)
-    down = recording.values[output] != 0.0
-    changes = recording.time[np.flatnonzero(np.diff(down, prepend=~down[0]))].tolist()
-    visit = chosen(*name.split("/"))
-    times = [
-        max(0.5 * (begin + end), end - 0.01) if end - begin > 0.15 else end - 1e-3
-        for begin, end in pairwise([*changes, loaded.stop_time])
-    ]
-    drawn = visit.seen(times, "document.querySelector('.motionsync-machine .tool').getAttribute('transform')")
-    depths = [float(transform.removeprefix("translate(0 ").removesuffix(")")) for transform in drawn]
-    assert len(depths) > 3
-    assert depths == [47.0 * (i % 2 != down[0]) for i in range(len(depths))]
+def test_the_errors_of_a_remote_axis_are_those_of_the_report(chosen: Chosen, fmus: Fmus) -> None:
+    """The page makes them of its own telegrams, of which the clocks, the delay and lost ones are in these scenarios."""
+    page, visit = explored(fmus, "RemoteSync"), chosen("RemoteSync")
+    names = ["index", "corrected_index", "position", "corrected_position"]
+    errors = """([name, all]) => {
+      const {errors} = motionsyncExplore.run(name);
+      return all.map((of) => [...errors[of]]);
+    }"""
+    for name in page.varied_scenarios():
+        file = ROOT / "scenarios" / "RemoteSync" / name / "scenario.toml"
+        scenario = shown(load_scenario(file) if file.is_file() else load_example("RemoteSync"))
+        assert scenario.remote
+        expected = remote_errors(scenario.remote, record(scenario))
+        for of, found in zip(names, visit.page.evaluate(errors, [name, names]), strict=True):
+            assert np.abs(getattr(expected, of) - found).max() < 1e-6, (name, of)
 
 
 # --- everybody can use it ---

@@ -5,13 +5,12 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
 import pytest
 
-from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.recording import Recording
 from tests.browser.conftest import OpenMachine
+from tests.browser.drawn import read_belt
 from tests.browser.runs import run
 from tests.browser.visit import READOUTS, Visit
 
@@ -63,52 +62,6 @@ def test_the_slave_is_where_the_recording_has_it(open_run: OpenRun, name: str) -
     for i, shown in seen_at_points(visit, recording, look):
         away = shown - recording.values["slave.position"][i]
         assert abs(away - period * round(away / period) if period else away) <= 1e-3
-
-
-def test_the_saw_is_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
-    """The scale is that of the ruler: its numbers and their places. 0.1 px, as drawn on the screen."""
-    _, recording = run(CYCLIC_CUT)
-    visit = open_run(CYCLIC_CUT)
-    ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
-    texts, places = visit.page.evaluate(f"[{ruler}.map(e => e.textContent), {ruler}.map(e => +e.getAttribute('x'))]")
-    numbers = [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
-    assert len(numbers) > 5
-    scale = (places[-1] - places[0]) / (numbers[-1] - numbers[0])
-    left = visit.page.locator(".motionsync-machine svg").bounding_box()["x"]
-    box = "document.querySelector(\".motionsync-machine .carriage rect[rx='5']\").getBoundingClientRect()"
-    for i, (x, width) in seen_at_points(visit, recording, f"[{box}.x, {box}.width]"):
-        expected = left + places[0] + scale * (recording.values["slave.position"][i] - numbers[0])
-        assert x + width / 2 == pytest.approx(expected, abs=0.1)
-
-
-def test_the_blade_is_down_while_the_saw_cuts(open_run: OpenRun) -> None:
-    scenario, recording = run(CYCLIC_CUT)
-    visit = open_run(CYCLIC_CUT)
-    cuts = find_cuts(scenario.cuts, recording)
-    ends = [time for cut in cuts for time in (cut.begin, cut.end)]
-    assert ends == sorted(set(ends))
-    between = [0.5 * sum(pair) for pair in pairwise([*ends, scenario.stop_time])]
-    look = "[document.querySelector('.carriage').dataset.tool, +document.querySelector('.stock').dataset.cuts]"
-    seen = visit.seen(between, look)
-    assert [tool for tool, _ in seen] == ["down", "up"] * 20
-    assert [done for _, done in seen[1::2]] == list(range(1, 21))
-
-
-def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
-    """At 1.4 s the first cut is under way, at 1000 mm on the material; at 1.8 s this is at 800 mm, with a gap."""
-    visit = open_run(CYCLIC_CUT)
-    pieces = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
-    ends = f"{pieces}.map(e => [+e.getAttribute('x'), +e.getAttribute('width')])"
-    visit.show(1.4)
-    assert len(visit.page.evaluate(ends)) == 1
-    visit.show(1.8)
-    (begin, width), piece = sorted(visit.page.evaluate(ends))
-    end = begin + width
-    assert 5.0 < piece[0] - end < 20.0
-    low, high = visit.number(".carriage", "x"), visit.number(".carriage", "slave-position")
-    visit.show(1.3)
-    scale = (visit.number(".carriage", "x") - low) / (visit.number(".carriage", "slave-position") - high)
-    assert end == pytest.approx(low + scale * (800.0 - high), abs=0.1)
 
 
 def test_each_piece_has_the_colour_and_the_name_of_its_kind(open_run: OpenRun) -> None:
@@ -195,19 +148,6 @@ def test_the_window_shows_how_far_the_telegram_is_off(open_run: OpenRun) -> None
 # --- what it does ---
 
 
-def test_the_slider_moves_the_saw(open_run: OpenRun) -> None:
-    """Between its points, 0.01 s apart, the recording is within 10000 * 0.01^2 / 8 = 0.125 mm of straight lines."""
-    _, recording = run(CYCLIC_CUT)
-    visit = open_run(CYCLIC_CUT)
-    box = visit.page.locator(".motionsync-machine input[type=range]").bounding_box()
-    for share in (0.1, 0.35, 0.8):
-        visit.page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
-        assert visit.time == pytest.approx(33.0 * share, abs=0.5)
-        expected = np.interp(visit.time, recording.time, recording.values["slave.position"])
-        assert visit.number(".carriage", "slave-position") == pytest.approx(expected, abs=0.126)
-        assert visit.page.locator(".motionsync-machine output").inner_text() == f"{visit.time:.3f} s"
-
-
 @pytest.mark.parametrize("speed", ["0.1", "1", "5"])
 def test_playing_takes_as_long_as_the_speed_says(open_run: OpenRun, speed: str) -> None:
     visit = open_run(CYCLIC_CUT)
@@ -286,16 +226,6 @@ def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -
 # --- how it looks ---
 
 
-def test_dark_colours_are_others(open_run: OpenRun) -> None:
-    seen = {}
-    for scheme in ("light", "dark"):
-        visit = open_run(CYCLIC_CUT, color_scheme=scheme)
-        fill = "e => getComputedStyle(e).fill"
-        parts = (".carriage rect[rx='5']", ".stock rect", ".ground text >> nth=0")
-        seen[scheme] = [visit.page.locator(part).first.evaluate(fill) for part in parts]
-    assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
-
-
 def test_the_colours_of_the_page_are_taken(open_run: OpenRun) -> None:
     visit = open_run(CYCLIC_CUT)
     visit.page.add_style_tag(content=":root { --slave: rgb(1, 2, 3); }")
@@ -322,21 +252,8 @@ def test_the_picture_follows_the_size_of_its_window(open_run: OpenRun) -> None:
     wide = visit.number(".carriage", "x")
     visit.page.set_viewport_size({"width": 500, "height": 800})
     visit.page.wait_for_function("x => +document.querySelector('.carriage').dataset.x < x", arg=wide - 1.0)
-    low, high = run_window(visit)
-    width = visit.page.locator(".motionsync-machine svg").bounding_box()["width"]
-    assert visit.number(".carriage", "x") == pytest.approx(
-        32.0 + (400.0 - low) / (high - low) * (width - 64.0), abs=0.1
-    )
-
-
-def run_window(visit: Visit) -> tuple[float, float]:
-    """The ends of the ruler, from its first and last number and the ends of its line."""
-    ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
-    texts, places = visit.page.evaluate(f"[{ruler}.map(e => e.textContent), {ruler}.map(e => +e.getAttribute('x'))]")
-    numbers = [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
-    scale = (numbers[-1] - numbers[0]) / (places[-1] - places[0])
-    width = visit.page.locator(".motionsync-machine svg").bounding_box()["width"]
-    return numbers[0] + (32.0 - places[0]) * scale, numbers[0] + (width - 32.0 - places[0]) * scale
+    belt = read_belt(visit)
+    assert belt.middle_of_saw == pytest.approx(belt.x(400.0), abs=0.5)
 
 
 def test_a_screen_reader_learns_what_there_is(open_run: OpenRun) -> None:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motionsync_fmu.interface.roles import KNIFE
 from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
+from motionsync_fmu.scenario.evaluate.time_series import time_series
 from motionsync_fmu.scenario.files.encoder_table import with_encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -88,9 +89,7 @@ def test_the_cuts_and_pieces_that_are_drawn_are_those_that_are_evaluated(scene_o
             drawn = [[piece[key] for key in OF_PIECE] for piece in scene["pieces"]]
             assert furthest(drawn, [[getattr(piece, key) for key in OF_PIECE] for piece in pieces]) < 1e-5, file
             assert [piece["name"] for piece in scene["pieces"]] == [piece.name for piece in pieces]
-            ends = [
-                (p.sync, p.sync) if names.tool == KNIFE else p.cut or (p.reported_at, p.reported_at) for p in pieces
-            ]
+            ends = [(p.sync, p.sync) if names.turns else p.cut or (p.reported_at, p.reported_at) for p in pieces]
             cuts = [(*times, piece.end, piece.end) for times, piece in zip(ends, pieces, strict=True)]
         else:
             spec = scenario.cuts
@@ -117,11 +116,77 @@ def test_the_next_cut_is_in_the_turn_in_which_it_is_made(scene_of: SceneOf, name
     assert furthest(next_cuts[made], np.array([piece.end for piece in pieces])[later]) < 1.0
 
 
-def test_the_saw_is_down_while_it_cuts(scene_of: SceneOf) -> None:
-    _, recording = run(CYCLIC_CUT)
-    down = at_points(scene_of(*run(CYCLIC_CUT))["down"], recording)
-    assert down.tolist() == recording.values["in_sync"][:-1].tolist()
-    assert len(np.flatnonzero(np.diff(down) > 0)) == 20
+COUPLED = {
+    "Gearing/stop_position_master_based": (["ACTIVE", "WAITING_FOR_STOPPOSITION"], ["GEAR_IN", "GEAR_OUT"]),
+    "Follower/cyclic_park": (["M_SYNCHRONIZED"], ["M_FOLLOWING", "M_HOMING"]),
+    "Synchronizer/phasing_changed_while_executing": (["syn_synchronized"], ["syn_ramp_on"]),
+}
+"""States and outputs in which two axes are in step; and in which they come in step, or leave it."""
+
+WAITING = ["WAITING_FOR_STARTPOSITION", "WAITING_FOR_STOPPOSITION"]
+MARKS: dict[str, dict[str, tuple[list[str], list[str]]]] = {
+    "Gearing/stop_position_master_based": {
+        "trigger": (["local.trigger_position"], [*WAITING, "GEAR_IN", "GEAR_OUT"]),
+    },
+    "Follower/cyclic_park": {
+        "meeting": (["local.meeting_position"], ["local.meeting_known"]),
+        "in sync": (["sync_slave", "sync_out"], []),
+        "park": (["park_slave"], []),
+    },
+    "Synchronizer/phasing_changed_while_executing": {
+        "ramp": (["local.ramp_begin", "local.ramp_end"], ["EXECUTING", "STACKED", "syn_ramp_on"]),
+        "rest": (["rest_value"], []),
+    },
+}
+"""By label, the variables of a mark's place or of its ends, and when it is shown; empty: always."""
+
+
+@pytest.mark.parametrize("name", COUPLED)
+def test_two_axes_are_coupled_and_marked_as_the_block_says(scene_of: SceneOf, name: str) -> None:
+    scenario, recording = run(name)
+    scene = scene_of(scenario, recording)
+    names = {int(member): member.name for member in scenario.recipe.variables["state"].choices}
+    states = np.array([names[int(state)] for state in recording.values["state"][:-1]])
+
+    def holds(conditions: list[str]) -> Any:
+        outputs = recording.values
+        return np.any([outputs[c][:-1] != 0.0 if c in outputs else states == c for c in conditions], axis=0)
+
+    coupled, changing = map(holds, COUPLED[name])
+    assert coupled.any()
+    assert changing.any()
+    assert (at_points(scene["coupling"], recording) == np.where(coupled, 2, np.where(changing, 1, 0))).all()
+    drawn = {mark["label"]: mark for axis in scene["axes"] for mark in axis["marks"]}
+    assert drawn.keys() == MARKS[name].keys()
+    for label, (variables, shown) in MARKS[name].items():
+        for key, variable in zip(["at"] if len(variables) == 1 else ["from", "to"], variables, strict=True):
+            later = scenario.recipe.variables[variable].settable  # what is set at a point is recorded at the next one
+            expected = time_series(scenario, recording, variable)[1 if later else 0 :][: len(states)]
+            assert furthest(at_points(drawn[label][key], recording), expected) < 1e-9
+        assert ("shown" in drawn[label]) == bool(shown)
+        assert not shown or (at_points(drawn[label]["shown"], recording) == holds(shown)).all()
+    moved = recording.master[:, 0], recording.values["slave.position"]
+    for axis, positions in zip(scene["axes"], moved, strict=True):
+        assert axis["period"] or axis["range"][0] < positions.min() <= positions.max() < axis["range"][1]
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "periods"),
+    [
+        ("Gearing/rotary_axes", {"master.period": 300.0, "slave.period": 200.0}, [300.0, 200.0]),
+        ("Gearing/ccw_direct", {}, [0.0, 0.0]),
+        ("Synchronizer/polynomial", {"master.period": 180.0}, [180.0, 180.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0}, [900.0, 400.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0, "variable_cycle": True}, [0.0, 400.0]),
+        ("Follower/cyclic_park", {"master_cycle": 900.0, "master.period": 700.0}, [700.0, 400.0]),
+    ],
+)
+def test_the_periods_of_two_axes_are_those_of_the_start_values(
+    scene_of: SceneOf, name: str, start: dict[str, float], periods: list[float]
+) -> None:
+    scenario, recording = run(name)
+    scene = scene_of(replace(scenario, start={**scenario.start, **start}), recording)
+    assert [axis["period"] for axis in scene["axes"]] == periods
 
 
 def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> None:
@@ -131,6 +196,54 @@ def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> 
     assert scene["window"][0] < -250.0
     assert scene["window"][1] > 800.0
     assert scene_of(*run("FlyingSaw/position_example_1"))["ends"] == [None, None]
+
+
+@pytest.mark.parametrize(
+    "name", [CYCLIC_CUT, "FlyingSaw/negative_ratio", "FlyingSaw/position_example_1", MEETINGS, KINDS]
+)
+def test_a_carriage_has_its_home_and_its_zone(scene_of: SceneOf, name: str) -> None:
+    """Its arrows are as long as the fastest of both velocities."""
+    scenario, recording = run(name)
+    scene, position = scene_of(scenario, recording), recording.values["slave.position"]
+    start = {n: v.start for n, v in scenario.recipe.variables.items() if v.settable} | dict(scenario.start)
+    if name.startswith("FlyingSaw"):
+        moved = recording.values["move_absolute.busy"].any()
+        assert moved == (name == CYCLIC_CUT)
+        home = (start["move_absolute.position"], "home") if moved else (position[0], "start")
+    else:
+        home = (start["park_slave"], "park") if name == MEETINGS else (start["home_position"], "home")
+    assert (scene["home"]["at"], scene["home"]["label"]) == (pytest.approx(home[0], abs=1e-9), home[1])
+    inside = position[recording.values["in_sync"] != 0.0] if name != MEETINGS else np.array([100.0, 300.0])
+    assert scene["zone"] == pytest.approx([inside.min(), inside.max()], abs=1e-9)
+    velocities = recording.values["slave.velocity"], scene["ratio"] * recording.master[:, 1]
+    assert scene["fastest"] == pytest.approx(max(np.abs(v).max() for v in velocities))
+
+
+@pytest.mark.parametrize("ratio", [1.0, -1.0])
+def test_a_window_has_room_for_the_pieces_where_the_material_goes(scene_of: SceneOf, ratio: float) -> None:
+    """Beyond the end positions 14 % of the length of 1050; where the material goes 70 % more, since pieces are long."""
+    scenario, recording = run(CYCLIC_CUT)
+    assert scenario.cuts
+    scene = scene_of(replace(scenario, cuts=replace(scenario.cuts, ratio=ratio)), recording)
+    assert scene["ratio"] == ratio
+    below, above = -250.0 - scene["window"][0], scene["window"][1] - 800.0
+    assert (below, above)[:: int(ratio)] == (pytest.approx(0.14 * 1050.0), pytest.approx(0.84 * 1050.0))
+
+
+def test_a_window_shows_the_usual_errors_of_a_remote_axis(scene_of: SceneOf) -> None:
+    """Of 98 % of the errors of its telegrams, the greatest is at 1/1.6 of the way to the border."""
+    scenario, recording = run("RemoteSync/slow_sender_jitter")
+    assert scenario.remote
+    scene, errors = scene_of(scenario, recording), remote_errors(scenario.remote, recording)
+    for drawn, name in (
+        ("telegram", "position"),
+        ("corrected", "corrected_position"),
+        ("telegram_index", "index"),
+        ("corrected_index", "corrected_index"),
+    ):
+        assert furthest(scene[drawn]["t"], errors.time) <= 1e-9
+        assert furthest(scene[drawn]["x"], getattr(errors, name)) < 1e-9
+    assert scene["half"] == pytest.approx(1.6 * np.quantile(np.abs(errors.position), 0.98))
 
 
 def test_the_products_of_a_follower_are_where_it_meets_them(scene_of: SceneOf) -> None:
@@ -152,19 +265,10 @@ def test_the_products_of_a_measured_line_do_not_follow_its_noise(scene_of: Scene
     assert scene_of(measured, recording)["marks"]["places"] == [900.0, 1900.0, 2900.0]
 
 
-def test_the_page_knows_the_cylinder_and_where_its_cuts_are(scene_of: SceneOf) -> None:
-    """Cuts at 800, 1400, 2000, 2400, 3300, 4800, 5100, ... 7800 of a line of 1000 mm/s, when each place is there."""
+def test_the_page_knows_the_cylinder(scene_of: SceneOf) -> None:
     scene = scene_of(*run(FORMATS))
     size = {"turn": 360.0, "circumference": 600.0, "blades": 1, "park": 180.0, "ratio": 1.0, "along_material": False}
     assert scene.items() >= {"scene": "cylinder", **size}.items()
-    window = {"before": 30.0, "after": 30.0, "overspeed": 0.0}
-    assert {name: set(signal["x"]) for name, signal in scene["sync"].items()} == {
-        name: {x} for name, x in window.items()
-    }
-    places = [800, 1400, 2000, 2400, 3300, 4800, *range(5100, 8000, 300)]
-    assert [cut["place"] for cut in scene["cuts"]] == pytest.approx(places, abs=1e-6)
-    assert [cut["end"] for cut in scene["cuts"]] == pytest.approx([place / 1000 for place in places], abs=1e-9)
-    assert [piece["length"] for piece in scene["pieces"]] == pytest.approx([600.0, *np.diff(places)], abs=1e-6)
 
 
 def test_the_cylinder_is_known_without_its_jumps_from_turn_to_turn(scene_of: SceneOf) -> None:

@@ -55,7 +55,7 @@ def test_it_holds_a_library_for_each_processor_and_its_licence(built: Command) -
     assert "model.png" not in names
     assert "This is the native flavour, for FMI 3.0." in page
     for platform in OF_VERSION[Fmi.THREE]:
-        assert f"<tr><th>{platform.folder}<td>{platform.title}" in page
+        assert f"<tr><th>{platform.folder}</th><td>{platform.title}" in page
 
 
 def test_an_fmu_of_the_other_version_is_stale(built: Command, tmp_path: Path) -> None:

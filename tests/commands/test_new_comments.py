@@ -1,4 +1,5 @@
-"""What the comments of `new.toml` say of a figure is what the run does, for the template's figures and for others.
+"""What the comments of `new.toml` say of a figure is what the run does, for the template's figures and for others that
+the machine can do: then the scenario is as expected, too.
 
 Each comment on a figure has a claim here, with its words: who changes the comment changes the claim. A claim measures
 in the run what the comment names. A figure that a comment states itself is a part of its claim."""
@@ -17,6 +18,7 @@ from motionsync_fmu import new
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording
 from tests.support.recordings import run_compiled
+from tests.support.verdicts import checks_of
 
 Booleans = np.ndarray[Any, np.dtype[np.bool_]]
 FIGURE = re.compile(r'(?m)^"?(?P<key>[\w.]+)"? = (?P<value>[^#\n]*?) *# (?P<comment>.*)$')
@@ -221,7 +223,7 @@ CLAIMS: dict[str, dict[str, Claim]] = {
         "gear_in.reference_position": Claim(
             "... and where the middle of that way is", lambda run: float(np.mean(catching_up(run))), (333.0, 1200.0)
         ),
-        "velocity": Claim("how fast the master moves", master_velocity, (70.0, 400.0), steps=0.0),
+        "velocity": Claim("how fast the master moves", master_velocity, (50.0, 1000.0), steps=0.0),
     },
     "Synchronizer": {
         "master.period": Claim("one turn", lambda run: run.greatest("master.smoothed_position"), (400.0, 720.0)),
@@ -235,7 +237,7 @@ CLAIMS: dict[str, dict[str, Claim]] = {
             "rest_value", lambda run: float(run["slave.position"][run.first(run.time >= 14.999)]), steps=0.0
         ),
         "output_phasing": Claim("the slave's way in a stop or a start", turn_phase, (45.0, 130.0), steps=2.01),
-        "velocity": Claim("how fast the master turns", master_velocity, (100.0, 250.0), steps=0.0),
+        "velocity": Claim("how fast the master turns", master_velocity, (100.0, 720.0), steps=0.0),
     },
     "FlyingSaw": {
         "axis.max_position": limit(
@@ -250,11 +252,11 @@ CLAIMS: dict[str, dict[str, Claim]] = {
         "gear_in_pos.master_start_distance": Claim("the saw starts so much before: twice its way", saw_start),
         "velocity": Claim("how fast the line runs", master_velocity, (100.0, 700.0), steps=0.0),
         "after": Claim("how long a cut takes", cut_time, (0.05, 0.5), steps=2.01, is_time=True),
-        "length": Claim("how far apart the marks are", lambda run: mark(run, 2) - mark(run, 1), (800.0, 3000.0)),
+        "length": Claim("how far apart the marks are", lambda run: mark(run, 2) - mark(run, 1), (800.0, 6000.0)),
         "offset": Claim("where the first one is", lambda run: mark(run, 0)),
     },
     "CutToLength": {
-        "length": Claim("how long the pieces are", last_length, (500.0, 1234.5), steps=0.0),
+        "length": Claim("how long the pieces are", last_length, (500.0, 1234.5, 25000.0), steps=0.0),
         "axis.max_position": limit(
             "the stroke: how far the carriage can travel from its home", "slave.position", 450.0, 5000.0
         ),
@@ -268,7 +270,7 @@ CLAIMS: dict[str, dict[str, Claim]] = {
         "velocity": Claim("how fast the line runs", master_velocity, (100.0, 900.0), steps=0.0),
     },
     "RotaryKnife": {
-        "length": Claim("how long the pieces are", last_length, (400.0, 1500.0), steps=0.0),
+        "length": Claim("how long the pieces are", last_length, (350.0, 1500.0, 20000.0), steps=0.0),
         "knife.circumference": Claim(
             "of the circle on which the blades' edges run",
             lambda run: 360.0 / float((run["slave.velocity"] / run.velocity)[run.first(run["knife.in_window"] > 0.0)]),
@@ -303,7 +305,7 @@ CLAIMS: dict[str, dict[str, Claim]] = {
         "master_cycle": Claim(
             "how far the master moves from one meeting to the next",
             lambda run: float(run.master[synchronous(run)[2][0]] - run.master[synchronous(run)[1][0]]),
-            (950.0, 2000.0),
+            (900.0, 3000.0),
         ),
         "sync_master": Claim(
             "where in that cycle the slave has to be in sync",
@@ -348,8 +350,11 @@ def run_with(block: str, folder: Path, key: str, value: float | None) -> Run:
         text, count = re.subn(rf'(?m)^("?{re.escape(key)}"? = )[^#\n]*', rf"\g<1>{value!r} ", text)
         assert count == 1
         file.write_text(text, "utf-8")
-    (run,) = run_compiled(load_scenario(file))
+    scenario = load_scenario(file)
+    (run,) = run_compiled(scenario)
     assert run.recording, run.failure
+    if key != "rest_value":  # which an expectation has as its value
+        assert [check for check in checks_of(scenario, run.recording) if not check.passed] == []
     figures = {k: number(literal) for k, literal, comment in commented(text) if comment not in ADVICE}
     return Run(run.recording, figures)
 

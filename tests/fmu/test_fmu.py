@@ -284,7 +284,7 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
     listed: list[str] = []
     for group in re.findall(r'<tr id="variables-(\w*)">(.*?)(?=<tr id="variables-|</table>)', page, re.S):
         prefix = f"{group[0]}." if group[0] else ""
-        listed += [prefix + name for name in re.findall(r"<tr><th>(.*?)<td>", group[1])]
+        listed += [prefix + name for name in re.findall(r"<tr><th>(.*?)</th><td>", group[1])]
     assert sorted(listed) == sorted(v.name for v in variables(BLOCKS[block]()))
 
 

@@ -93,10 +93,10 @@ def test_200_cuts_are_made_and_none_is_missed(whole: WholeRun) -> None:
 def test_recorded_lengths_are_exact_and_the_material_is_cut_within_what_telegrams_allow(whole: WholeRun) -> None:
     """The block's own lengths are exact on the axis that it sees; that axis is within 0.03 cycles, peak to peak, of the
     true one: 0.06 mm at 530 mm/s. Within a piece the estimate hardly changes."""
-    assert [x.number for x in whole.variant.lengths] == list(range(2, 201))
-    assert {x.ordered for x in whole.variant.lengths} == {LENGTH}
-    assert max(abs(x.recorded) for x in whole.variant.lengths) < 1e-10
-    worst = max(abs(x.error) for x in whole.variant.lengths)
+    assert [x.number for x in whole.variant.products] == list(range(2, 201))
+    assert {x.place for x in whole.variant.products} == {LENGTH}
+    assert max(abs(x.recorded or 0.0) for x in whole.variant.products) < 1e-10
+    worst = max(abs(x.error) for x in whole.variant.products)
     assert 1e-3 < worst < 0.02
 
 
@@ -104,7 +104,7 @@ def test_the_lengths_are_those_on_the_material(whole: WholeRun) -> None:
     """Computed independently, from the script and the carriage alone."""
     pitches = np.diff(find_cut_positions(whole.variant.recording, MATERIAL))
     assert len(pitches) == 199
-    assert [x.error for x in whole.variant.lengths] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
+    assert [x.error for x in whole.variant.products] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
 
 
 # --- the reserve ---
@@ -153,10 +153,10 @@ def test_lengths_are_measured_on_the_true_axis_in_each_variant(machine: Examined
     """Against the script and the carriage alone. A machine that sees raw telegrams records no errors."""
     for variant in machine.result.variants:
         pitches = np.diff(find_cut_positions(variant.recording, MATERIAL[:2]))
-        assert [x.error for x in variant.lengths] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
+        assert [x.error for x in variant.products] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
     raw = machine.variant(RAW)
-    assert max(abs(x.recorded) for x in raw.lengths) < 1e-10
-    assert max(abs(x.error) for x in raw.lengths) > 0.1
+    assert max(abs(x.recorded or 0.0) for x in raw.products) < 1e-10
+    assert max(abs(x.error) for x in raw.products) > 0.1
 
 
 def test_a_missed_cut_is_counted_and_its_piece_is_no_product(machine: Examined) -> None:
@@ -166,7 +166,7 @@ def test_a_missed_cut_is_counted_and_its_piece_is_no_product(machine: Examined) 
     variant = variant_of(line, "too short", values, values, None)
     assert {p.name for p in variant.pieces[1:]} == {"MERGED"}
     assert int(variant.missed.sum()) == len(variant.pieces) - 1
-    assert variant.lengths == []
+    assert variant.products == []
 
 
 def test_enumerations_are_declared_in_the_package(machine: Examined) -> None:

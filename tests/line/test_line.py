@@ -154,7 +154,7 @@ def test_the_cuts_are_on_their_marks_with_remote_sync(saw: Examined) -> None:
         inside = (wired.time >= c.begin) & (wired.time <= c.end)
         assert wired.values["in_sync"][inside].all()
         errors = material[inside] - wired.values["slave.position"][inside] - 1500.0 * number
-        assert (c.mark, np.abs(errors).max()) == pytest.approx((1500.0 * number, abs(c.error)), abs=1e-8)
+        assert (c.place, np.abs(errors).max()) == pytest.approx((1500.0 * number, abs(c.error)), abs=1e-8)
     assert max(abs(c.error) for c in late) < 0.01
     assert result.passed
 
@@ -196,16 +196,16 @@ def test_until_the_drift_is_determined_the_cuts_are_worse(saw: Examined) -> None
 def test_a_synchronizer_switches_at_its_positions(synchronizer: Examined) -> None:
     result, wired = synchronizer.result, synchronizer.result.wired
     assert result.passed
-    assert [s.position for s in wired.switches] == [90.0, 101.25] * 7
+    assert [s.place for s in wired.switches] == [90.0, 101.25] * 7
     for s in wired.switches:
-        angle = integrated(AXIS, s.time)  # at the first point of the ramp: it began less than a step ago
-        before = integrated(AXIS, s.time - CYCLE)
-        beyond = (angle - s.position + 180.0) % 360.0 - 180.0
+        angle = integrated(AXIS, s.begin)  # at the first point of the ramp: it began less than a step ago
+        before = integrated(AXIS, s.begin - CYCLE)
+        beyond = (angle - s.place + 180.0) % 360.0 - 180.0
         assert -1e-9 <= beyond - s.error <= angle - before + 1e-9
-    late = [abs(s.error) for s in wired.switches if s.time > result.settled]
+    late = [abs(s.error) for s in wired.switches if s.begin > result.settled]
     assert len(late) == 9
     assert max(late) < 0.01
-    raw = [abs(s.error) for s in synchronizer.variant(RAW).switches if s.time > result.settled]
+    raw = [abs(s.error) for s in synchronizer.variant(RAW).switches if s.begin > result.settled]
     assert max(raw) > 0.9
     slave = {f.name: f.deviation for f in result.after}
     assert (slave["RemoteSync, PHASE"] or math.inf) < 0.01

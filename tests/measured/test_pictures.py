@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from motionsync_fmu import sweep
 from motionsync_fmu.scenario.evaluate.true_pieces import TruePiece
 from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.sweeps.database import Database
 from motionsync_fmu.sweeps.distribution import MOST, find_distribution
 from tests import ROOT
 from tests.support.pictures import assert_same_picture
@@ -75,23 +77,13 @@ def test_the_tables_are_those_of_the_whole_commands() -> None:
         assert sorted({time for time, _ in points}) == [float(t) for t in factors(name)[SMOOTHING].split(",")]
 
 
-class Seeds:
-    """The table of the seeds, as the rows of a sweep."""
-
-    def __init__(self) -> None:
-        errors: dict[float, list[float]] = {}
-        for row in rows("seeds"):
-            errors.setdefault(row[SEED], []).append(row["error"])
-        lists = pa.array(list(errors.values()), pa.list_(pa.float64()))
-        self.rows = pa.table({"true_length_errors": lists, "tolerance": np.full(len(errors), 0.1)})
-        self.schema = self.rows.schema
-
-    def batches(self, columns: list[str]) -> list[pa.RecordBatch]:
-        return list(self.rows.select(columns).combine_chunks().to_batches())
-
-
-def test_the_figures_of_a_thousand_seeds() -> None:
-    d = find_distribution(Seeds(), "true_length_errors")  # type: ignore[arg-type]
+def test_the_figures_of_a_thousand_seeds(tmp_path: Path) -> None:
+    errors_of: dict[float, list[float]] = {}
+    for row in rows("seeds"):
+        errors_of.setdefault(row[SEED], []).append(row["error"])
+    columns = {"run": [*range(len(errors_of))], "true_length_errors": [*errors_of.values()]}
+    pq.write_table(pa.table(columns | {"tolerance": np.full(len(errors_of), 0.1)}), tmp_path / "part-000000.parquet")
+    d = find_distribution(Database(tmp_path, [tmp_path / "part-000000.parquet"], ()), "true_length_errors")
     assert d
     assert d.capability
     assert (d.count, d.capability.outside) == (12_000, 0)

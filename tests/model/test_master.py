@@ -29,6 +29,7 @@ from tests.model.exact_paths import (
     stretch,
     value,
 )
+from tests.model.test_master_path import crossing_time
 from tests.support.drawn import drawn
 from tests.support.numbers import numbers_in
 
@@ -494,7 +495,7 @@ def test_nothing_inside_is_ever_nan_or_infinite(
                 0.5 * path.positions[piece] + 0.5 * path.positions[piece + 1],
                 position,
             ):
-                assert path.times[piece] <= path.crossing_time(piece, place) <= path.times[piece + 1]
+                assert path.times[piece] <= crossing_time(path, piece, place) <= path.times[piece + 1]
         it.rebase()
 
 

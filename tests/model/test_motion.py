@@ -27,7 +27,7 @@ EPS = 2.0**-52
 
 
 class Move(NamedTuple):
-    """What `Motion.move` is given; `Motion.change` and `halt` take of it what they need."""
+    """A start, and what `Motion.move` is given; `Motion.try_change` and `halt` take of it what they need."""
 
     position: float
     velocity: float
@@ -44,14 +44,26 @@ class Move(NamedTuple):
 
 
 def moved(move: Move) -> Motion:
-    motion = Motion()
-    motion.move(*move)
+    motion = started(*move[:3])
+    motion.move(*move[3:])
     return motion
 
 
 def changed(*arguments: float) -> Motion:
+    motion = started(*arguments[:3])
+    assert motion.try_change(*arguments[3:])
+    return motion
+
+
+def halted(move: Move) -> Motion:
+    motion = started(*move[:3])
+    motion.halt(move.down, move.jerk)
+    return motion
+
+
+def started(position: float, velocity: float, acceleration: float) -> Motion:
     motion = Motion()
-    assert motion.try_change(*arguments)
+    motion.start(position, velocity, acceleration)
     return motion
 
 
@@ -233,8 +245,7 @@ def test_a_mirrored_start_gives_the_mirrored_motion_bit_for_bit(move: Move) -> N
     signs = (1.0, -1.0, -1.0, -1.0, -1.0)
     there, back = moved(move), moved(move.mirrored())
     assert rows(there) == [tuple(s * x for s, x in zip(signs, row, strict=True)) for row in rows(back)]
-    there.halt(*move[:3], move.down, move.jerk)
-    back.halt(*move.mirrored()[:3], move.down, move.jerk)
+    there, back = halted(move), halted(move.mirrored())
     assert rows(there) == [tuple(s * x for s, x in zip(signs, row, strict=True)) for row in rows(back)]
 
 
@@ -253,12 +264,11 @@ def test_between_rest_states_acceleration_and_deceleration_have_their_own_limits
 @repeatable
 @given(random_moves)
 def test_a_stop_ends_where_it_is_said_to_end(move: Move) -> None:
-    motion = Motion()
-    motion.halt(0.0, *move[1:3], move.down, move.jerk)
+    motion = halted(move._replace(position=0.0))
     assert motion.at(motion.end_time())[1:] == (0.0, 0.0, 0.0)
     way = stopping_distance(*move[1:3], move.down, move.jerk)
     assert motion.at(motion.end_time())[0] == pytest.approx(way, rel=1e-14, abs=1e-14 * motion.end_time() * move.speed)
-    motion.halt(*move[:3], move.down, move.jerk)
+    motion = halted(move)
     assert_continuous(motion, move[:3])
     assert_acceleration_within(motion, move.acceleration, -move.down, move.down)
 
@@ -371,8 +381,8 @@ def test_a_target_that_runs_away_is_followed_at_the_limit(
     velocity: float, acceleration: float, slope: float, reached: bool
 ) -> None:
     """From 3 u/s on, the limits ±1 u/s2: one that just keeps the limit is met from the side it moves to."""
-    motion = Motion()
-    assert motion.try_change(0.0, velocity, acceleration, 3.0, slope, -1.0, 1.0, 1.0) == reached
+    motion = started(0.0, velocity, acceleration)
+    assert motion.try_change(3.0, slope, -1.0, 1.0, 1.0) == reached
     limit = math.copysign(1.0, slope)
     assert (motion.accelerations[motion.segments - 1], motion.jerks[motion.segments - 1]) == (limit, 0.0)
     assert_continuous(motion, (0.0, velocity, acceleration))
@@ -382,7 +392,7 @@ def test_a_target_that_runs_away_is_followed_at_the_limit(
 def test_constant_velocity_goes_on_for_ever() -> None:
     motion = moved(Move(0.0, 0.0, 0.0, 15.0, 3.0, 1.0, 1.0, 1.0))
     motion.advance(2.0)
-    motion.run_at(5.0, -2.0)
+    motion.start(5.0, -2.0, 0.0)
     assert (motion.segments, motion.end_time(), motion.clock.time) == (1, 0.0, 0.0)
     assert motion.at(1e3) == (-1995.0, -2.0, 0.0, 0.0)
 
@@ -419,10 +429,11 @@ def test_no_number_breaks_a_plan(move: Move, slope: float) -> None:
     motion = moved(move)
     assert_finite(motion)
     assert rows(motion)[-1][1:] == (move.target, 0.0, 0.0, 0.0)
-    motion.halt(*move[:3], move.down, move.jerk)
+    motion = halted(move)
     assert_finite(motion)
     assert rows(motion)[-1][2:] == (0.0, 0.0, 0.0)
-    reached = motion.try_change(*move[:4], slope, -move.down, move.up, move.jerk)
+    motion = started(*move[:3])
+    reached = motion.try_change(move.target, slope, -move.down, move.up, move.jerk)
     assert_finite(motion)
     limit = move.up if slope > 0.0 else -move.down
     assert motion.accelerations[motion.segments - 1] == (slope if reached else limit)

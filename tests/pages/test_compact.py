@@ -1,6 +1,6 @@
-"""Drawings and pages that are made small still show the same."""
+"""Drawings that are made small still show the same."""
 
-from motionsync_fmu.pages.compact import compact, compact_page
+from motionsync_fmu.pages.compact import compact
 
 
 def test_a_path_of_straight_lines_becomes_steps() -> None:
@@ -56,39 +56,3 @@ def test_what_nobody_sees_is_left_out() -> None:
 def test_a_group_with_a_purpose_is_used() -> None:
     drawn = b'<g id="a">\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
     assert compact(drawn) == b'<g>\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
-
-
-def test_a_page_loses_end_tags_that_html_can_do_without() -> None:
-    page = """<p>One
-two</p>
-<table>
-<thead><tr><th>a</th></tr></thead>
-<tbody>
-<tr>
-<td>1</td>
-</tr>
-</tbody>
-</table>
-<ul>
-<li>an
-item</li>
-</ul>
-<pre><code>&lt;/td&gt; </li>
-   |
-</code></pre>
-"""
-    assert (
-        compact_page(page)
-        == """<p>One two</p>
-<table>
-<thead><tr><th>a</thead>
-<tbody>
-<tr>
-<td>1</table>
-<ul>
-<li>an item</ul>
-<pre><code>&lt;/td&gt; </li>
-   |
-</code></pre>
-"""
-    )

@@ -6,26 +6,18 @@ behind the cut at the front end.
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from motionsync_fmu.pages.report.chart import Chart, count_swings
-from motionsync_fmu.pages.report.page import run_charts, write_report
+from motionsync_fmu.pages.report.chart import count_swings
+from motionsync_fmu.pages.report.page import run_charts
 from motionsync_fmu.pages.summary import figure_rows
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
+from tests.pages.reports import named, notes, page
 from tests.support.knife_runs import run_knife
 
 DEGREES = 0.6  # of the knife, for each mm of the line
-
-
-def named(chart: Chart, name: str) -> list[dict[str, Any]]:
-    return [trace for trace in chart.traces if trace["name"] == name]
-
-
-def notes(chart: Chart) -> list[str]:
-    return [note["text"] for note in chart.layout["annotations"]]
 
 
 @pytest.mark.parametrize(("count", "first"), [(1, 1), (9, 4), (30, 30)])
@@ -57,29 +49,25 @@ def test_no_line_crosses_a_chart_where_a_turn_ends(tmp_path: Path, count: int, f
 @pytest.mark.parametrize(("count", "first"), [(20, 8), (70, 41)])
 def test_the_true_lengths_are_given_for_each_ordered_length(tmp_path: Path, count: int, first: int) -> None:
     """The first piece has no piece before it that was measured: one less of 400 mm."""
-    scenario, recording = run_knife(tmp_path, count, first)
-    outcome = evaluate_run(scenario, recording)
-    write_report(tmp_path / "report.html", scenario, recording, outcome)
-    page = (tmp_path / "report.html").read_text("utf-8")
-    table = page[page.index("<th>mean length</th>") :]
+    run = run_knife(tmp_path, count, first)
+    text = page(run, tmp_path)
+    table = text[text.index("<th>mean length</th>") :]
     rows = re.findall(r"<tr><td>(\d+) mm</td><td>(\d+)</td><td>(\d+) mm</td>", table[: table.index("</table>")])
     assert rows == [("400", str(first - 1), "400"), ("500", str(count - first), "500")]
-    assert "mean error" in page
-    assert {"rms torque of the motor", "peak torque of the motor"} <= set(re.findall(r"<dt>([^<]*)</dt>", page))
-    printed = dict(figure_rows(outcome))
+    assert "mean error" in text
+    assert {"rms torque of the motor", "peak torque of the motor"} <= set(re.findall(r"<dt>([^<]*)</dt>", text))
+    printed = dict(figure_rows(evaluate_run(*run)))
     assert printed["true length"].startswith(f"{count - 1} products: 2 lengths, ")
     assert {"torque rms", "torque peak"} <= printed.keys()
     assert not any("force" in name for name in printed)
 
 
 def test_of_one_ordered_length_the_mean_is_given(tmp_path: Path) -> None:
-    scenario, recording = run_knife(tmp_path, 6, 6)
-    outcome = evaluate_run(scenario, recording)
-    write_report(tmp_path / "report.html", scenario, recording, outcome)
-    page = (tmp_path / "report.html").read_text("utf-8")
-    assert "mean 400 mm" in page
-    assert "<th>mean length</th>" not in page
-    assert dict(figure_rows(outcome))["true length"].startswith("5 products: mean 400 mm, ")
+    run = run_knife(tmp_path, 6, 6)
+    text = page(run, tmp_path)
+    assert "mean 400 mm" in text
+    assert "<th>mean length</th>" not in text
+    assert dict(figure_rows(evaluate_run(*run)))["true length"].startswith("5 products: mean 400 mm, ")
 
 
 @pytest.mark.parametrize(("count", "first"), [(45, 20), (125, 1), (500, 260)])

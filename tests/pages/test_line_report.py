@@ -8,18 +8,17 @@ import plotly.graph_objects as go
 import pytest
 
 from motionsync_fmu.production_line.report import decimals, error_chart, event_chart
-from motionsync_fmu.production_line.variants import PieceLength
-from motionsync_fmu.scenario.evaluate.cuts import Cut
-from tests.pages.test_report import coloured, named, notes, sheets
+from motionsync_fmu.production_line.variants import FollowerEvent
+from tests.pages.reports import coloured, named, notes, sheets
 
 TIMES = np.arange(1, 101) * 0.1
 
 
 def variant(name: str, size: float) -> Any:
     """A variant of a line whose slave is off by `size`, in u, and whose index by twice as many cycles."""
-    cuts = [Cut(1.0, 2.0, 100.0, size), Cut(3.0, 4.0, 200.0, -3.0 * size)]
+    cuts = [FollowerEvent(1, 1.0, 2.0, 100.0, size), FollowerEvent(2, 3.0, 4.0, 200.0, -3.0 * size)]
     errors = np.full(100, size)
-    return SimpleNamespace(name=name, deviation=errors, index=2.0 * errors, cuts=cuts, switches=[], lengths=[])
+    return SimpleNamespace(name=name, deviation=errors, index=2.0 * errors, cuts=cuts, events=cuts, products=[])
 
 
 @pytest.fixture
@@ -65,8 +64,8 @@ def test_the_errors_of_the_cuts_have_a_bar_each(line: Any, result: Any) -> None:
 def test_the_errors_of_products_stand_at_their_numbers(line: Any, result: Any) -> None:
     """The first piece has no cut before it; a piece with a cut left out in it is no product."""
     for v in result.variants:
-        v.cuts = []
-        v.lengths = [PieceLength(number, 0.0, 1.0, 300.0, number * v.deviation[0], 0.0) for number in (2, 4)]
+        v.products = [FollowerEvent(number, 0.0, 1.0, 300.0, number * v.deviation[0], 0.0) for number in (2, 4)]
+        v.events = v.products
     chart = event_chart(line, result)
     (bars,) = named(chart, "raw telegrams")
     assert (bars["x"], bars["y"]) == ([2, 4], [3.0, 6.0])

@@ -17,12 +17,11 @@ import pytest
 from motionsync.cutting.interface import PieceKind
 from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
-from motionsync_fmu.pages.report.page import run_charts, write_report
+from motionsync_fmu.pages.report.page import run_charts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
-from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
-from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.scenario import Scenario
+from tests.pages import reports
+from tests.pages.reports import Run, page, words
 from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
 
 TEXT = """
@@ -54,7 +53,6 @@ PIECES = [
 BEGINS, ENDS = [198.0, 702.0, 2206.0, 3710.0, 4714.0, 7722.0], [702.0, 2206.0, 3710.0, 4714.0, 7722.0, 9226.0]
 RESERVES = [1.0, 0.5, 0.4, 0.05, 0.6, 0.0]
 LIMIT, ASKED = [(0.0, 1250.0), (5.0, 950.0)], [(0.0, 1100.0), (5.0, 900.0)]
-Run = tuple[Scenario, Recording]
 
 
 def error_text(error: float) -> str:
@@ -70,24 +68,13 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 
 def named(chart: Chart, name: str) -> dict[str, Any]:
-    (trace,) = [t for t in chart.traces if t["name"] == name]
+    (trace,) = reports.named(chart, name)
     return trace
 
 
 def at(trace: dict[str, Any], time: float) -> float:
     """A curve at a time: the value of the last point up to it."""
     return float(trace["y"][int(np.searchsorted(trace["x"], time, side="right")) - 1])
-
-
-def page(run: Run, folder: Path) -> str:
-    s, recording = run
-    write_report(folder / "report.html", s, recording, evaluate_run(s, recording))
-    return (folder / "report.html").read_text("utf-8")
-
-
-def words(html: str) -> str:
-    text = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
-    return " ".join(re.sub(r"<[^>]+>", " ", text).split())
 
 
 # --- charts ---

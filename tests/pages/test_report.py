@@ -5,7 +5,6 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -15,7 +14,6 @@ from plotly.offline import get_plotlyjs_version
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.numbers import jumps, points, rounded, thinned
-from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.origin import describe_fmu
 from motionsync_fmu.pages.report.page import PLOTLY, run_charts, write_report
 from motionsync_fmu.pages.style import TEMPLATES, load_template, typeset
@@ -26,9 +24,9 @@ from motionsync_fmu.scenario.evaluate.reference_comparison import read_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
-from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
+from tests.pages.reports import Run, coloured, named, notes, page, sheets, words
 from tests.support.fmus import Fmus
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
@@ -48,7 +46,6 @@ SHOWN_ELSEWHERE = (
     "to spare at each piece",
     "at rest before each piece",
 )  # another trace shows the same
-Run = tuple[Scenario, Recording]
 
 
 @pytest.fixture(scope="module")
@@ -63,59 +60,16 @@ def cyclic_cut(runs: dict[str, Run]) -> Run:
     return runs[CYCLIC_CUT]
 
 
-def page(run: Run, file: Path) -> str:
-    """The report of a run."""
-    s, recording = run
-    write_report(file, s, recording, evaluate_run(s, recording), results=file.parent / "out.csv")
-    return file.read_text("utf-8")
-
-
-def named(chart: Chart, name: str, axis: str = "") -> list[dict[str, Any]]:
-    """The traces of a name, all or those of an axis ("y", "y2", ...)."""
-    return [t for t in chart.traces if t["name"] == name and axis in ("", t["yaxis"])]
-
-
-def notes(chart: Chart) -> list[str]:
-    """What is written in a chart."""
-    return [str(note["text"]) for note in chart.layout["annotations"]]
-
-
-def words(html: str) -> str:
-    """The text of a page without its scripts and styles, each blank once."""
-    text = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
-    return " ".join(re.sub(r"<[^>]+>", " ", text).split())
-
-
-def coloured(value: Any, colours: dict[str, str]) -> Any:
-    """A chart with its colours in place of the names of CSS properties, as the page's script puts them."""
-    if isinstance(value, dict):
-        return {k: coloured(v, colours) for k, v in value.items()}
-    if isinstance(value, list):
-        return [coloured(v, colours) for v in value]
-    return colours[value] if isinstance(value, str) and value.startswith("--") else value
-
-
-def sheets() -> list[dict[str, str]]:
-    """The colours of a light and of a dark page, by CSS property."""
-    text = load_template(TEMPLATES, "plotted.html.j2").render(bundle="")
-    light, dark = text[: text.index("@media screen")], text[text.index("@media screen") : text.index(".good")]
-    pairs = [dict(re.findall(r"(--[\w-]+): ([^;]+);", part)) for part in (light, dark)]
-    return pairs
-
-
 # --- the page ---
 
 
-def test_the_report_of_the_cyclic_cut_is_small(cyclic_cut: Run, tmp_path: Path) -> None:
-    """Below 2.5 MB: plotly.js' basic bundle is the greater part of it."""
-    text = page(cyclic_cut, tmp_path / "report.html")
-    assert len(text.encode()) < 2_500_000
-    assert len(text.encode()) > PLOTLY.stat().st_size
-
-
-def test_a_report_loads_nothing(runs: dict[str, Run], tmp_path: Path) -> None:
+def test_a_report_is_small_and_loads_nothing(runs: dict[str, Run], tmp_path: Path) -> None:
+    """Plotly.js' basic bundle is the greater part of it."""
     for run in runs.values():
-        text = page(run, tmp_path / "report.html").replace(PLOTLY.read_text("utf-8"), "")
+        whole = page(run, tmp_path)
+        assert len(whole.encode()) < 2_500_000
+        text = whole.replace(PLOTLY.read_text("utf-8"), "")
+        assert len(text) < len(whole)
         assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=", text)
         assert not re.search(r"https?://(?!www\.w3\.org/2000/svg\b)|@import|url\(|fetch\(|XMLHttpRequest", text)
         assert '<a href="out.csv">' in text
@@ -154,7 +108,7 @@ def test_a_dark_page_has_a_colour_of_its_own_for_each_of_a_light_one() -> None:
 
 def test_the_figures_come_first(cyclic_cut: Run, tmp_path: Path) -> None:
     """The scenario asks for 20 cuts within 1e-9 mm; its axis has the limits in its file."""
-    text = words(page(cyclic_cut, tmp_path / "report.html"))
+    text = words(page(cyclic_cut, tmp_path))
     begin = text[: text.index("Cuts A cut each time")]
     for part in (
         "cuts 20 a mark every 1500 mm",
@@ -168,7 +122,7 @@ def test_the_figures_come_first(cyclic_cut: Run, tmp_path: Path) -> None:
 
 
 def test_cuts_machine_motion_and_states_follow_one_another(cyclic_cut: Run, tmp_path: Path) -> None:
-    text = page(cyclic_cut, tmp_path / "report.html")
+    text = page(cyclic_cut, tmp_path)
     headings = re.findall(r"<h2[^>]*>(.*?)</h2>", text)
     assert headings[:4] == ["Cuts", "The machine", "Motion", "States and commands"]
     assert headings[-1] == "Test record"
@@ -236,7 +190,7 @@ def reacting(tmp_path: Path) -> Run:
 
 
 def test_a_reaction_that_never_happened_is_reported(reacting: Run, tmp_path: Path) -> None:
-    text = words(page(reacting, tmp_path / "report.html"))
+    text = words(page(reacting, tmp_path))
     assert "reaction to syn_ramp_on once: found never" in text
     assert "when after set how often syn_ramp_on 0.05 s stop = true once" in text
     assert "slave.position &gt; 1e6 at once rest_value = 5 mm once" in text
@@ -245,7 +199,7 @@ def test_a_reaction_that_never_happened_is_reported(reacting: Run, tmp_path: Pat
 def test_what_reactions_set_is_listed_with_its_time(cyclic_cut: Run, tmp_path: Path) -> None:
     s, recording = cyclic_cut
     assert s.reactions
-    text = words(page(cyclic_cut, tmp_path / "report.html"))
+    text = words(page(cyclic_cut, tmp_path))
     lanes = run_charts(s, recording)["lanes"]
     (marks,) = named(lanes, "set")
     assert len(marks["x"]) == len(recording.settings) > len(s.settings)
@@ -261,7 +215,7 @@ def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str
     s, recording = runs["Synchronizer/polynomial"]
     given = [Setting(0.001 * i, {"rest_value": 10000.0 + i}) for i in range(1, 1502)]
     run = s, replace(recording, settings=given)
-    text = words(page(run, tmp_path / "report.html"))
+    text = words(page(run, tmp_path))
     assert "1501 times at which something was set" in text
     assert "1000 1 s rest_value 11000 deg and 501 more times, which the chart shows" in text
     (marks,) = named(run_charts(*run)["lanes"], "set")
@@ -269,7 +223,7 @@ def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str
 
 
 def test_the_texts_of_a_scenario_are_escaped(reacting: Run, tmp_path: Path) -> None:
-    text = page(reacting, tmp_path / "report.html")
+    text = page(reacting, tmp_path)
     assert "<h1>A &lt;b&gt;stop&lt;/b&gt; &lt;/script&gt; &amp; more</h1>" in text
     assert "<b>stop" not in text
     assert text.count("<script") == text.count("</script>")
@@ -280,7 +234,7 @@ def test_the_texts_of_a_scenario_are_escaped(reacting: Run, tmp_path: Path) -> N
 
 def test_every_colour_has_a_legend_or_a_key_and_a_text_at_the_pointer(runs: dict[str, Run], tmp_path: Path) -> None:
     for name, run in runs.items():
-        text = page(run, tmp_path / "report.html")
+        text = page(run, tmp_path)
         for chart in run_charts(*run).values():
             for trace in chart.traces:
                 colour = trace.get("fillcolor") or trace.get("marker", trace.get("line"))["color"]
@@ -521,7 +475,7 @@ def test_a_bar_is_where_a_boolean_is_true(cyclic_cut: Run) -> None:
 
 def test_states_are_shaded_with_the_colours_of_their_key(cyclic_cut: Run, tmp_path: Path) -> None:
     s, recording = cyclic_cut
-    text = page(cyclic_cut, tmp_path / "report.html")
+    text = page(cyclic_cut, tmp_path)
     charts = run_charts(s, recording)
     (lane,) = [t["y"][0] for t in charts["lanes"].traces if t["name"] == "SYNCHRON" and t["type"] == "bar"]
     bars = {t["name"]: t["marker"]["color"] for t in charts["lanes"].traces if t["type"] == "bar" and t["y"][0] == lane}

@@ -22,6 +22,8 @@ COSIM = {  # libcosim's classes, and their modules
     "CosimManipulator": "CosimManipulator",
     "CosimObserver": "CosimObserver",
     "CosimLocalSlave": "CosimSlave",
+    "CosimLogLevel": "CosimLogging",
+    "log_output_level": "CosimLogging",
 }
 
 
@@ -124,11 +126,18 @@ def through_ecos(fmu: Path, run: BlockRun) -> list[Row]:
     return rows
 
 
+def load_libcosim() -> dict[str, Any]:
+    """libcosim's classes, by name. The test is skipped without it."""
+    pytest.importorskip("libcosimpy")
+    cosim = {name: getattr(import_module(f"libcosimpy.{module}"), name) for name, module in COSIM.items()}
+    cosim["log_output_level"](cosim["CosimLogLevel"].ERROR)
+    return cosim
+
+
 def through_libcosim(fmu: Path, run: BlockRun) -> list[Row]:
     """From the first step on. libcosim has wheels for Linux on x86-64 and for Windows only, and steps in
     nanoseconds: a step of 2^-7 s is one exactly."""
-    pytest.importorskip("libcosimpy")
-    cosim = {name: getattr(import_module(f"libcosimpy.{module}"), name) for name, module in COSIM.items()}
+    cosim = load_libcosim()
     execution = cosim["CosimExecution"].from_step_size(step_size=round(run.steps[0][0] * 1e9))
     slave = execution.add_local_slave(cosim["CosimLocalSlave"](fmu_path=str(fmu), instance_name="unit"))
     manipulator, observer = cosim["CosimManipulator"].create_override(), cosim["CosimObserver"].create_last_value()

@@ -3,57 +3,52 @@ interval of C_pk, compared with many sweeps of one process."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+import duckdb
 import numpy as np
 import pyarrow as pa
 import pytest
 from numpy.typing import NDArray
 
+from motionsync_fmu.sweeps.database import Column, ColumnKind, Database
 from motionsync_fmu.sweeps.distribution import SHARES, Distribution, find_distribution
 from motionsync_fmu.sweeps.summary import Summary
 
 Reals = NDArray[np.float64]
+CONNECTION = duckdb.connect(config={"threads": 1})
 ERRORS, TOLERANCE = "true_length_errors", 0.1
 
 
-@dataclass(frozen=True)
-class Made:
-    """Rows of a sweep that are made up, in batches of so many."""
+class Made(Database):
+    """The rows of a sweep that are made up."""
 
-    table: pa.Table
-    batch: int
-
-    @property
-    def schema(self) -> pa.Schema:
-        return self.table.schema
-
-    def batches(self, columns: Sequence[str]) -> list[pa.RecordBatch]:
-        batches = self.table.select(list(columns)).combine_chunks().to_batches(max_chunksize=self.batch)
-        return list(batches)
+    def __init__(self, table: pa.Table) -> None:
+        self.connection = CONNECTION.register("runs", table)
+        kinds = {
+            name: ColumnKind.LIST if pa.types.is_list(table.schema.field(name).type) else ColumnKind.NUMBER
+            for name in table.column_names
+        }
+        self.columns = {name: Column(name, kind, False) for name, kind in kinds.items()}
 
 
-def of(column: Sequence[object], kind: pa.DataType, tolerances: Sequence[float | None] = (), batch: int = 7) -> object:
-    columns = {"value": pa.array(column, kind)}
-    if tolerances:
-        columns = {ERRORS: pa.array(column, kind), "tolerance": pa.array(tolerances, pa.float64())}
-    return Made(pa.table(columns), batch)
+def distribution_of(
+    column: Sequence[object], kind: pa.DataType, tolerances: Sequence[float | None] = ()
+) -> Distribution | None:
+    if not tolerances:
+        return find_distribution(Made(pa.table({"value": pa.array(column, kind)})), "value")
+    columns = {ERRORS: pa.array(column, kind), "tolerance": pa.array(tolerances, pa.float64())}
+    return find_distribution(Made(pa.table(columns)), ERRORS)
 
 
-def distribution_of(rows: object, name: str = "value") -> Distribution | None:
-    assert isinstance(rows, Made)
-    return find_distribution(rows, name)  # type: ignore[arg-type]
-
-
-def pooled(runs: Sequence[Sequence[float]], tolerance: float = TOLERANCE, batch: int = 7) -> Distribution:
-    result = distribution_of(of(runs, pa.list_(pa.float64()), [tolerance] * len(runs), batch), ERRORS)
+def pooled(runs: Sequence[Sequence[float]], tolerance: float = TOLERANCE) -> Distribution:
+    result = distribution_of(runs, pa.list_(pa.float64()), [tolerance] * len(runs))
     assert result
     return result
 
 
 def test_numbers_are_counted_without_those_that_are_missing_or_infinite() -> None:
     """3, 1, 2, 10: mean 4, sigma sqrt((1 + 9 + 4 + 36) / 3)."""
-    d = distribution_of(of([3.0, None, 1.0, math.inf, 2.0, math.nan, 10.0], pa.float64(), batch=2))
+    d = distribution_of([3.0, None, 1.0, math.inf, 2.0, math.nan, 10.0], pa.float64())
     assert d
     assert (d.runs, d.count, d.mean, d.least, d.greatest, d.worst) == (4, 4, 4.0, 1.0, 10.0, 10.0)
     assert d.sigma == pytest.approx(math.sqrt(50.0 / 3.0), rel=1e-15)
@@ -62,27 +57,26 @@ def test_numbers_are_counted_without_those_that_are_missing_or_infinite() -> Non
 
 
 def test_whole_numbers_and_equal_ones_have_a_distribution() -> None:
-    d = distribution_of(of([3, 3, 3], pa.int64()))
+    d = distribution_of([3, 3, 3], pa.int64())
     assert d
     assert (d.mean, d.sigma, d.quantile(0.5)) == (3.0, 0.0, 3.0)
-    single = distribution_of(of([-2.5], pa.float64()))
+    single = distribution_of([-2.5], pa.float64())
     assert single
     assert math.isnan(single.sigma)
     assert (single.worst, single.quantile(0.01)) == (-2.5, -2.5)
 
 
 def test_without_any_value_there_is_no_distribution() -> None:
-    assert distribution_of(of([None, math.nan], pa.float64())) is None
-    assert distribution_of(of([[], None], pa.list_(pa.float64()), [0.1, None]), ERRORS) is None
+    assert distribution_of([None, math.nan], pa.float64()) is None
+    assert distribution_of([[], None], pa.list_(pa.float64()), [0.1, None]) is None
 
 
-@pytest.mark.parametrize("batch", [1, 13, 1000])
-def test_the_pieces_of_all_runs_are_counted_together(batch: int) -> None:
-    """Runs with 0 to 8 pieces each, whatever the batches are; NumPy has all of them at once."""
+def test_the_pieces_of_all_runs_are_counted_together() -> None:
+    """Runs with 0 to 8 pieces each; NumPy has all of them at once."""
     random = np.random.default_rng(4)
     runs = [random.normal(0.02, 0.03, int(n)).tolist() for n in random.integers(0, 9, 200)]
     everything = np.concatenate(runs)
-    d = pooled(runs, batch=batch)
+    d = pooled(runs)
     assert (d.runs, d.count) == (sum(1 for run in runs if run), len(everything))
     assert (d.mean, d.sigma) == pytest.approx((everything.mean(), everything.std(ddof=1)), rel=1e-12)
     assert d.worst == max(everything.tolist(), key=abs)
@@ -96,10 +90,10 @@ def test_the_pieces_of_all_runs_are_counted_together(batch: int) -> None:
 
 def test_a_capability_needs_one_tolerance() -> None:
     lists = pa.list_(pa.float64())
-    d = distribution_of(of([[0.01], [0.02]], lists, [0.1, 0.2]), ERRORS)
+    d = distribution_of([[0.01], [0.02]], lists, [0.1, 0.2])
     assert d
     assert d.capability is None
-    refused = distribution_of(of([[0.01, 0.03], None, [0.02]], lists, [0.1, None, 0.1]), ERRORS)
+    refused = distribution_of([[0.01, 0.03], None, [0.02]], lists, [0.1, None, 0.1])
     assert refused
     assert refused.capability
     assert refused.capability.c_pk == pytest.approx((0.1 - 0.02) / (3.0 * 0.01))
@@ -136,7 +130,7 @@ def test_errors_that_differ_by_rounding_have_no_capability(bits: int, mean: floa
 def test_one_normal_error_a_run_has_the_interval_of_bissell() -> None:
     """C_pk +- 1.96 sqrt(1 / (9 n) + C_pk^2 / (2 n)), for many runs."""
     errors = np.random.default_rng(2).normal(0.02, 0.01, 200_000)
-    c = pooled(errors[:, None].tolist(), batch=50_000).capability
+    c = pooled(errors[:, None].tolist()).capability
     assert c
     half = 1.959964 * math.sqrt(1.0 / (9.0 * len(errors)) + c.c_pk**2 / (2.0 * len(errors)))
     assert (c.high - c.c_pk, c.c_pk - c.low) == pytest.approx((half, half), rel=0.01)
@@ -159,11 +153,11 @@ def test_95_of_100_sweeps_have_the_true_capability_in_their_interval(runs: int, 
     random = np.random.default_rng(11)
     sigma = math.sqrt(2.0 * 0.01**2 + ramp**2 / 6.0)
     true = (TOLERANCE - 0.01) / (3.0 * sigma)
-    sweeps = 600
+    sweeps = 300
     hits = independent = 0
     for _ in range(sweeps):
         errors = sweep(random, runs, ramp)
-        c = pooled(errors.tolist(), batch=1000).capability
+        c = pooled(errors.tolist()).capability
         assert c
         hits += c.low < true < c.high
         n = errors.size

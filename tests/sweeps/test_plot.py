@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from motionsync_fmu.sweeps.conditions import RowCondition
+from motionsync_fmu.sweeps.database import Database
 from motionsync_fmu.sweeps.plot.cells import Axis, choose_statistic, divide_into_cells, plane
 from motionsync_fmu.sweeps.plot.curves import boundary, curves
-from motionsync_fmu.sweeps.plot.database import Database
 from motionsync_fmu.sweeps.plot.pareto_front import front
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests.sweeps import example_plans

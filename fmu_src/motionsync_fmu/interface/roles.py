@@ -2,7 +2,8 @@
 cycles on telegrams, and of one that records the pieces that it cuts off."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any
 
 from motionsync.var import Role
 
@@ -35,9 +36,16 @@ class RemoteAxisVariables:
     corrected_index: str
 
 
-@dataclass(frozen=True)
+def _of(role: Role, sibling: str = "", default: Any = MISSING) -> Any:
+    """The field for the name of the variable with a role, or for that of its `sibling` in the same part; without a
+    default the block has to have it."""
+    return field(default=default, metadata={"role": role, "sibling": sibling})
+
+
+@dataclass(frozen=True, kw_only=True)
 class PieceVariables:
-    """The names of the variables by which a block reports the pieces that it cuts off the master's material.
+    """The names of the variables by which a block reports the pieces that it cuts off the master's material. Such a
+    block has all these roles.
 
     Attributes:
         pieces: how many have been cut off; when it rises, the next variables describe the last piece.
@@ -63,30 +71,30 @@ class PieceVariables:
         request: the velocity that the block asks the master for, in u/s.
     """
 
-    pieces: str
-    skipped: str
-    late: str
-    length: str
-    error: str
-    kind: str
-    in_tolerance: str
-    time: str
-    reserve: str
-    orders: str
-    remaining: str
-    repeat: str
-    running: str
-    cutting: str
-    coupling_factor: str
-    factors: tuple[str, str]
-    kerf: str
-    correction: str
-    tolerance: str
-    max_velocity: str
-    spare: str
-    request: str
-    cut_spacing: str = ""
-    edge_radius: str = ""
+    pieces: str = _of(Role.PIECES)
+    skipped: str = _of(Role.PIECES, "skipped")
+    late: str = _of(Role.PIECES, "late")
+    length: str = _of(Role.LAST_LENGTH)
+    error: str = _of(Role.LAST_LENGTH, "error")
+    kind: str = _of(Role.LAST_LENGTH, "kind")
+    in_tolerance: str = _of(Role.LAST_LENGTH, "good")
+    time: str = _of(Role.LAST_LENGTH, "time")
+    reserve: str = _of(Role.LAST_LENGTH, "reserve")
+    orders: str = _of(Role.ORDERS)
+    remaining: str = _of(Role.ORDERS, "remaining")
+    repeat: str = _of(Role.ORDERS, "repeat")
+    running: str = _of(Role.RUNNING)
+    cutting: str = _of(Role.CUTTING)
+    coupling_factor: str = _of(Role.COUPLING_FACTOR)
+    factors: tuple[str, str]  # MATERIAL_FACTOR, CALIBRATION_FACTOR
+    kerf: str = _of(Role.KERF)
+    correction: str = _of(Role.LENGTH_CORRECTION)
+    tolerance: str = _of(Role.LENGTH_TOLERANCE)
+    max_velocity: str = _of(Role.MAX_MASTER_VELOCITY)
+    spare: str = _of(Role.MAX_MASTER_VELOCITY, "reserve")
+    request: str = _of(Role.MASTER_REQUEST)
+    cut_spacing: str = _of(Role.CUT_SPACING, default="")
+    edge_radius: str = _of(Role.EDGE_RADIUS, default="")
 
     @property
     def turns(self) -> bool:
@@ -117,15 +125,9 @@ def remote_axis(variables: Iterable[Variable]) -> RemoteAxisVariables | None:
     if Role.CYCLE_INDEX not in by_role:
         return None
     index = by_role[Role.CYCLE_INDEX]
-    return RemoteAxisVariables(
-        index.name.rpartition(".")[0],
-        index.name,
-        index.declaration.wraps_at,
-        by_role[Role.TASK_CYCLE].name,
-        by_role[Role.DATA_CYCLE].name,
-        by_role[Role.DELAY].name,
-        by_role[Role.CORRECTED_INDEX].name,
-    )
+    others = (Role.TASK_CYCLE, Role.DATA_CYCLE, Role.DELAY, Role.CORRECTED_INDEX)
+    names = (by_role[role].name for role in others)
+    return RemoteAxisVariables(index.name.rpartition(".")[0], index.name, index.declaration.wraps_at, *names)
 
 
 def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
@@ -137,32 +139,10 @@ def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
     by_role = {v.declaration.role: v.name for v in variables if v.declaration.role}
     if Role.PIECES not in by_role:
         return None
-    roles = (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY, Role.ORDERS)
-    count, length, limit, waiting = (by_role[role] for role in roles)
-    counted, last, limits, order = (name.rpartition(".")[0] for name in (count, length, limit, waiting))
-    return PieceVariables(
-        pieces=count,
-        skipped=f"{counted}.skipped",
-        late=f"{counted}.late",
-        length=length,
-        error=f"{last}.error",
-        kind=f"{last}.kind",
-        in_tolerance=f"{last}.good",
-        time=f"{last}.time",
-        reserve=f"{last}.reserve",
-        orders=waiting,
-        remaining=f"{order}.remaining",
-        repeat=f"{order}.repeat",
-        running=by_role[Role.RUNNING],
-        cutting=by_role[Role.CUTTING],
-        coupling_factor=by_role[Role.COUPLING_FACTOR],
-        factors=(by_role[Role.MATERIAL_FACTOR], by_role[Role.CALIBRATION_FACTOR]),
-        kerf=by_role[Role.KERF],
-        correction=by_role[Role.LENGTH_CORRECTION],
-        tolerance=by_role[Role.LENGTH_TOLERANCE],
-        max_velocity=limit,
-        spare=f"{limits}.reserve",
-        request=by_role[Role.MASTER_REQUEST],
-        cut_spacing=by_role.get(Role.CUT_SPACING, ""),
-        edge_radius=by_role.get(Role.EDGE_RADIUS, ""),
-    )
+
+    def name(role: Role, sibling: str) -> str:
+        return f"{by_role[role].rpartition('.')[0]}.{sibling}" if sibling else by_role[role]
+
+    named = [f for f in fields(PieceVariables) if f.metadata]
+    names = {f.name: name(**f.metadata) for f in named if f.default is MISSING or f.metadata["role"] in by_role}
+    return PieceVariables(factors=(by_role[Role.MATERIAL_FACTOR], by_role[Role.CALIBRATION_FACTOR]), **names)

@@ -18,6 +18,7 @@ LONGEST_STEP = 1e6  # s; a step may not be longer
 QUIET_TIME = 10.0  # s; a code that has not come for so long has ended (`Report.EPISODES`)
 SHOWN_DIGITS, COMPUTED_DIGITS = 12, 7  # of a value that was set, and of a computed one, in a log line
 LEAST_INTEGER, GREATEST_INTEGER = -(2**31), 2**31 - 1  # of FMI's Integers
+ORDER = {"input": 0, "output": 1, "parameter": 2, "local": 3}  # of the variables, by the causality that is declared
 KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
 
@@ -254,7 +255,7 @@ def declared_of_parts(block: Any, key: str, prefix: str = "") -> dict[str, Any]:
 
 
 def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Variable]:
-    """The declared variables with the block's present values as start values.
+    """The declared variables with the block's present values as start values, in the order in which FMUs list them.
 
     `overrides`: the causality of each variable that has another one than the block declares, by name."""
     depends, periods = (declared_of_parts(block, key) for key in ("depends", "periods"))
@@ -271,6 +272,18 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
         for c in cells(block)
         if c.declaration
     ]
-    tunables = enumerate((v for v in result if v.declaration.tunable), 1)
-    ranges = {number: (v.name, v.allowed_range) for number, v in tunables if v.kind != "Boolean"}
-    return [replace(v, declaration=v.declaration.with_parameters(ranges)) for v in result]
+    numbered = (v for v in result if v.declaration.tunable and v.kind != "Boolean")
+    ranges = {number: (v.name, v.allowed_range) for number, v in enumerate(numbered, 1)}
+    return _in_order([replace(v, declaration=v.declaration.with_parameters(ranges)) for v in result])
+
+
+def _in_order(listed: list[Variable]) -> list[Variable]:
+    """The variables with what is wired first, then what is set once, then what is watched.
+
+    A group is where its first one is, and its signals come first in it. Else the order is that of declaration."""
+    groups: dict[str, list[Variable]] = {}
+    for v in listed:
+        groups.setdefault(v.name.partition(".")[0], []).append(v)
+    place = {v.name: ORDER[v.declaration.causality] for v in listed}
+    ordered = sorted(groups.values(), key=lambda group: min(place[v.name] for v in group))
+    return [v for group in ordered for v in sorted(group, key=lambda v: place[v.name] >= ORDER["parameter"])]

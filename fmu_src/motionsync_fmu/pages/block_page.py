@@ -12,7 +12,6 @@ from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
 from ..scenario.files.example import load_example
-from .compact import compact_page
 from .pictures import draw_example
 from .readme import read_readme, render_readme
 from .style import TEMPLATES, load_template
@@ -73,6 +72,6 @@ def make_pages(contents: FmuContents) -> Files:
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     pages = {name: load_template(TEMPLATES, f"{name}.j2").render(values) for name in names}
-    return {name: compact_page(page).encode() for name, page in pages.items()} | {
+    return {name: page.encode() for name, page in pages.items()} | {
         PICTURE: draw_example(recipe.name, unit, slave_unit)
     }

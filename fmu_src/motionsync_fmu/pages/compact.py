@@ -1,4 +1,4 @@
-"""Makes drawings and pages small, so that an FMU stays small: what is invisible is removed."""
+"""Makes drawings small, so that an FMU stays small: what is invisible is removed."""
 
 import re
 
@@ -7,18 +7,6 @@ NUMBER = re.compile(rb"-?\d+\.\d{2,}")
 PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|C(?: \S+){6} \n|z\n)+)"')  # of straight lines and cubic curves
 SEGMENT = re.compile(rb"([MLCz])((?: \S+)*)")
 CURVE = b"\nC "  # in a tag whose path has curves: they get a digit more, so that they join without corners
-PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
-LINE_END = re.compile(r"(?<=[^>])\n")  # in a running text
-OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that are optional in HTML
-
-
-def compact_page(page: str) -> str:
-    """An HTML page without line ends in running texts, and without the end tags of cells, rows and items of lists.
-
-    Apostrophes are written as such, since attributes are in quotation marks."""
-    texts = PLOT.split(page.replace("&#39;", "'"))
-    texts[::2] = [OPTIONAL.sub("", LINE_END.sub(" ", text)) for text in texts[::2]]
-    return "".join(texts)
 
 
 def compact(drawing: bytes) -> bytes:

@@ -150,27 +150,26 @@ def _find_sync_times(line: ProductionLine, remote: Values) -> tuple[float, float
 def _compute_errors(line: ProductionLine, variant: Variant, inside: Any) -> VariantErrors:
     times = variant.recording.time[inside]
     begin, end = (times[0], times[-1]) if len(times) else (math.inf, math.inf)
-    lengths = [x for x in variant.lengths if begin <= x.begin and x.end <= end]
-    cut_times = [c.begin for c in variant.cuts] + [piece.reported_at for piece in variant.pieces]
-    errors = np.array([c.error for c in variant.cuts if begin <= c.begin <= end] + [x.error for x in lengths])
-    switches = np.array([s.error for s in variant.switches if begin <= s.time <= end])
+    cuts, switches = ([e for e in events if begin <= e.begin <= end] for events in (variant.cuts, variant.switches))
+    products = [x for x in variant.products if begin <= x.begin and x.end <= end]
+    errors = np.array([x.error for x in (*cuts, *products)])
     deviation = variant.deviation[inside]
     return VariantErrors(
         variant.name,
-        sum(bool(begin <= t <= end) for t in cut_times),
+        len(cuts) + sum(bool(begin <= piece.reported_at <= end) for piece in variant.pieces),
         int(variant.missed[inside].sum()) if line.piece_variables else None,
         _greatest(errors),
         float(errors.mean()) if len(errors) else None,
         _spread(errors),
-        _greatest(np.array([x.recorded for x in lengths])),
-        _greatest(switches),
+        _greatest([x.recorded or 0.0 for x in products]),
+        _greatest([x.error for x in switches]),
         _greatest(deviation),
         _greatest(np.diff(deviation)),
         _spread(variant.index[inside]),
     )
 
 
-def _greatest(values: Reals) -> float | None:
+def _greatest(values: Reals | list[float]) -> float | None:
     return float(np.abs(values).max()) if len(values) else None
 
 
@@ -195,11 +194,10 @@ def _check_line(line: ProductionLine, wired: Variant, synced: float, settled: fl
     if s.cuts and s.cuts.count is not None:
         yield Check(f"number of cuts = {s.cuts.count}", f"{len(wired.cuts)}", len(wired.cuts) == s.cuts.count)
     if s.cuts:
-        errors = [abs(c.error) for c in wired.cuts if c.begin >= settled]
         expected = f"cuts within {engineering(s.cuts.tolerance, unit)} of a mark on the true axis, once in sync"
-        yield _check_worst(expected, errors, s.cuts.tolerance, unit, "cut")
+        yield _check_worst(expected, [c.error for c in wired.cuts if c.begin >= settled], s.cuts.tolerance, unit, "cut")
     if line.switch_tolerance is not None:
-        errors = [abs(x.error) for x in wired.switches if x.time >= settled]
+        errors = [x.error for x in wired.switches if x.begin >= settled]
         tolerance = engineering(line.switch_tolerance, unit)
         expected = f"transitions within {tolerance} of their position on the true axis, once in sync"
         yield _check_worst(expected, errors, line.switch_tolerance, unit, "transition")
@@ -210,19 +208,19 @@ def _check_lengths(spec: PieceSpec, wired: Variant, settled: float, unit: str) -
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(wired.pieces)}", len(wired.pieces) == spec.count)
     tolerance = engineering(spec.tolerance, unit)
-    lengths = [x for x in wired.lengths if x.begin >= settled]
+    products = [x for x in wired.products if x.begin >= settled]
     for whose, errors in (
-        ("on the true axis", [x.error for x in lengths]),
-        ("as recorded", [x.recorded for x in lengths]),
+        ("on the true axis", [x.error for x in products]),
+        ("as recorded", [x.recorded or 0.0 for x in products]),
     ):
         expected = f"products within {tolerance} of their ordered length {whose}, once in sync"
-        yield _check_worst(expected, [abs(e) for e in errors], spec.tolerance, unit, "product")
+        yield _check_worst(expected, errors, spec.tolerance, unit, "product")
 
 
 def _check_worst(expected: str, errors: list[float], tolerance: float, unit: str, what: str) -> Check:
     if not errors:
         return Check(expected, f"no {what}", False)
-    worst = max(errors)
+    worst = max(map(abs, errors))
     return Check(
         expected, f"at most {engineering(worst, unit, digits=3)} away in {len(errors)} {what}s", worst <= tolerance
     )

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..about import __version__
 from ..fmus.fmu import BuildOptions, Flavour, build, fmu_path, why_outdated
@@ -44,21 +44,7 @@ class LinePackage:
     fmus: dict[str, Path]
 
 
-@dataclass(frozen=True)
-class Connector:
-    """An input or output of the system or of a component, with FMI's name of its type.
-
-    `enumeration`: the name of an Enumeration's type in the system; empty for other types."""
-
-    name: str
-    kind: str
-    type: str
-    unit: str
-    enumeration: str
-
-
-@dataclass(frozen=True)
-class Connection:
+class Connection(NamedTuple):
     """A wire from an output to an input. An end without the name of a component belongs to the system."""
 
     start: str
@@ -103,45 +89,28 @@ def connections(line: ProductionLine) -> list[Connection]:
 
 def _render_texts(line: ProductionLine) -> dict[str, bytes]:
     blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
-    wires = connections(line)
-
-    def connector(component: str, name: str, kind: str) -> Connector:
-        v = blocks[component][name]
-        unit = unit_name(v.declaration.unit, line.unit, line.follower.slave_unit)
-        return Connector(name, kind, v.kind, unit, _enumeration_name(component, v) if v.choices else "")
-
     values: dict[str, Any] = {
+        "line": line,
         "name": line.name,
-        "title": line.follower.title,
         "version": __version__,
-        "stop_time": line.steps * line.step_size,
-        "step_size": line.step_size,
-        "parameters": PARAMETERS,
-        "connectors": [connector(w.end, w.input, "input") for w in wires if not w.start]
-        + [connector(w.start, w.output, "output") for w in wires if not w.end],
-        "components": [
-            {
-                "name": name,
-                "connectors": [connector(name, w.input, "input") for w in wires if w.end == name]
-                + [connector(name, v.name, "output") for v in line.outputs[name]],
-            }
-            for name in blocks
-        ],
-        "connections": wires,
+        "blocks": blocks,
+        "connections": connections(line),
         "enumerations": {
             _enumeration_name(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices
         },
+        "enumeration_name": _enumeration_name,
+        "unit_of": lambda v: unit_name(v.declaration.unit, line.unit, line.follower.slave_unit),
         "units": _units(line),
         "values": [
             {
-                "name": f"{name}.{n}",
-                "component": name,
+                "component": c,
                 "variable": n,
-                "kind": blocks[name][n].kind,
-                "value": blocks[name][n].literal(value),
+                "name": f"{c}.{n}",
+                "kind": blocks[c][n].kind,
+                "value": blocks[c][n].literal(x),
             }
-            for name, start in line.parameters.items()
-            for n, value in start.items()
+            for c, start in line.parameters.items()
+            for n, x in start.items()
         ],
     }
     names = {"SystemStructure.ssd": "SystemStructure.ssd", PARAMETERS: "parameters.ssv", STRUCTURE: STRUCTURE}

@@ -50,9 +50,12 @@ def write_line_report(
         "deviations": decimals([x for f in figures for x in (f.deviation, f.jump)]),
         "indices": decimals([f.index for f in figures]),
         "error_chart": error_chart(line, result).html(),
-        "event_chart": event_chart(line, result).html() if _event_errors(wired) else "",
+        "event_chart": event_chart(line, result).html() if wired.events else "",
         "checked": "length" if s.pieces else "cut",
-        "lengths_of": [{x.number: x for x in variant.lengths} for variant in result.variants],
+        "errors_of": {
+            kind: [{event.number: event.error for event in getattr(variant, kind)} for variant in result.variants]
+            for kind in ("cuts", "products", "switches")
+        },
         "charts": {name: chart.html() for name, chart in charts.items()},
         "keys": colour_keys(find_lanes(s, wired.recording)),
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
@@ -110,25 +113,17 @@ def error_chart(line: ProductionLine, result: LineResult) -> Chart:
 def event_chart(line: ProductionLine, result: LineResult) -> Chart:
     """The magnitude of the error of each cut, switch or product in each variant, on a logarithmic scale."""
     unit, wired = unit_name(Unit.POSITION, line.unit), result.wired
-    what = "cut" if wired.cuts else "switch" if wired.switches else "product"
-    most = max(max(_event_errors(variant), default=0) for variant in result.variants)
+    what = "product" if wired.products else "cut" if wired.cuts else "switch"
+    most = max(event.number for variant in result.variants for event in variant.events)
     chart = Chart(f"Error of each {what}", [260], what, (0.5, most + 0.5), hover="closest", timed=False)
     chart.write_title(1, f"|error| of the {what}{f' in {unit}' if unit else ''}")
     for variant, hue in _colour_variants(result):
-        events = _event_errors(variant)
-        bars = {"type": "bar", "x": list(events), "y": [abs(error) for error in events.values()]}
+        errors = [event.error for event in variant.events]
+        bars = {"type": "bar", "x": [event.number for event in variant.events], "y": [abs(error) for error in errors]}
         template = f"{what} %{{x}}: %{{customdata:.4~g}} {unit}<extra>%{{fullData.name}}</extra>"
-        style = {"marker": {"color": hue}, "customdata": list(events.values()), "hovertemplate": template}
+        style = {"marker": {"color": hue}, "customdata": errors, "hovertemplate": template}
         chart.add_trace(1, variant.name, bars | style)
     chart.axis(1).update({"type": "log", "dtick": 1})
     chart.layout["xaxis"]["dtick"] = 1 + most // 20
     chart.layout["barmode"] = "group"
     return chart
-
-
-def _event_errors(variant: Variant) -> dict[int, float]:
-    """The errors of a variant's cuts, switches or products, by their numbers."""
-    if variant.lengths:
-        return {x.number: x.error for x in variant.lengths}
-    errors = [c.error for c in variant.cuts] or [s.error for s in variant.switches]
-    return dict(enumerate(errors, 1))

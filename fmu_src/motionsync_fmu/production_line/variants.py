@@ -7,14 +7,13 @@ true axis.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ..interface.roles import MOTION
-from ..scenario.evaluate.cuts import Cut, find_cuts
+from ..scenario.evaluate.cuts import find_cuts
 from ..scenario.evaluate.find_pieces import Piece, find_pieces, rises
 from ..scenario.evaluate.remote_errors import remote_errors
 from ..scenario.recording import Reals, Recording
@@ -29,39 +28,26 @@ UNIFORM = 0.5  # for both slopes: the estimator BEAT then corrects uniformly fro
 
 
 @dataclass(frozen=True)
-class SwitchPoint:
-    """The start of a transition of the follower.
+class FollowerEvent:
+    """A cut of the follower, the start of a transition, or a product between two cuts.
 
     Attributes:
-        time: the end of the first step that shows it, in s.
-        position: the position on the master where the transition should begin, in u.
-        error: how far the true axis was beyond `position` when the transition began, in u.
-    """
-
-    time: float
-    position: float
-    error: float
-
-
-@dataclass(frozen=True)
-class PieceLength:
-    """The length of a product between two cuts of the follower.
-
-    Attributes:
-        number: the piece's number.
-        begin: the beginning of the cut before it, in s.
-        end: the end of the cut that ended it, in s.
-        ordered: how long it should be, in u.
-        error: how much longer it is on the true axis's material, in u.
-        recorded: how much longer it is as recorded by the follower, in u.
+        number: from 1 on; of a product that of its piece.
+        begin, end: in s: the first and the last point of a cut; the first point that shows a transition; the beginning
+            of the cut before a product, and the end of the cut that ended it.
+        place: the mark of a cut, the position on the master where a transition should begin, the ordered length of a
+            product, in u.
+        error: on the true axis, in u: how far the slave lags behind the mark where that is farthest; how far the axis
+            was beyond the position; how much longer the product is.
+        recorded: how much longer a product is as recorded by the follower, in u.
     """
 
     number: int
     begin: float
     end: float
-    ordered: float
+    place: float
     error: float
-    recorded: float
+    recorded: float | None = None
 
 
 @dataclass(frozen=True)
@@ -72,8 +58,8 @@ class Variant:
         recording: the follower's outputs.
         deviation: slave.position minus that of the follower that sees the true axis, in u; shape (steps,).
         index: how far the cycle index is ahead of the sender's, in cycles; shape (steps,).
-        cuts, switches: those of the follower; their errors are measured on the true axis.
-        pieces: those that the follower reports, measured on the true axis.
+        cuts, switches: those of the follower.
+        pieces: those that the follower reports, measured on the true axis; `products`: those between two cuts.
         missed: how many cuts the follower left out or made late in each step; shape (steps,).
     """
 
@@ -81,19 +67,16 @@ class Variant:
     recording: Recording
     deviation: Reals
     index: Reals
-    cuts: list[Cut]
-    switches: list[SwitchPoint]
+    cuts: list[FollowerEvent]
+    switches: list[FollowerEvent]
     pieces: list[Piece]
+    products: list[FollowerEvent]
     missed: Reals
 
-    @cached_property
-    def lengths(self) -> list[PieceLength]:
-        """The lengths of the products between two cuts."""
-        return [
-            PieceLength(p.number, before.cut[0], p.cut[1], p.ordered, p.measured - p.ordered, p.error)
-            for before, p in pairwise(self.pieces)
-            if p.product and p.measured is not None and before.cut and p.cut
-        ]
+    @property
+    def events(self) -> list[FollowerEvent]:
+        """What the follower does on the material: its products, its cuts, or its transitions."""
+        return self.products or self.cuts or self.switches
 
 
 def run_through_remote_sync(
@@ -159,30 +142,26 @@ def variant_of(line: ProductionLine, name: str, values: Values, truth: Values, r
     s = line.follower
     motions = [s.master.until(t) for t in line.times.tolist()]
     master = np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions])
-    recording = Recording(line.times, _with_state(values), master, [], s.settings)
+    state = {"state": values["state_code"]} if "state_code" in values else {}  # its number
+    recording = Recording(line.times, values | state, master, [], s.settings)
     deviation = _shortest(values["slave.position"] - truth["slave.position"], s.period)
+    cuts = find_cuts(s.cuts, recording, s.slave_period) if s.cuts else []
+    pieces = find_pieces(s, recording)
     return Variant(
         name,
         recording,
         deviation,
         _index_errors(line, remote, master),
-        find_cuts(s.cuts, recording, s.slave_period) if s.cuts else [],
-        list(_find_switch_points(line, recording)) if line.switch_tolerance is not None else [],
-        find_pieces(s, recording),
-        _count_missed_cuts(line, values),
+        [FollowerEvent(i, c.begin, c.end, c.mark, c.error) for i, c in enumerate(cuts, 1)],
+        list(_find_switches(line, recording)) if line.switch_tolerance is not None else [],
+        pieces,
+        [
+            FollowerEvent(p.number, before.cut[0], p.cut[1], p.ordered, p.measured - p.ordered, p.error)
+            for before, p in pairwise(pieces)
+            if p.product and p.measured is not None and before.cut and p.cut
+        ],
+        rises(values[v.skipped]) + rises(values[v.late]) if (v := line.piece_variables) else np.zeros(line.steps),
     )
-
-
-def _count_missed_cuts(line: ProductionLine, values: Values) -> Reals:
-    """How many cuts were left out or made late in each step; shape (steps,)."""
-    if not line.piece_variables:
-        return np.zeros(line.steps)
-    return rises(values[line.piece_variables.skipped]) + rises(values[line.piece_variables.late])
-
-
-def _with_state(values: Values) -> Values:
-    """The outputs, with `state` added: its number is `state_code`."""
-    return values | ({"state": values["state_code"]} if "state_code" in values else {})
 
 
 def _shortest(difference: Any, period: float) -> Any:
@@ -203,12 +182,13 @@ def _index_errors(line: ProductionLine, remote: Values | None, master: Reals) ->
     return np.concatenate([index[:1], index])
 
 
-def _find_switch_points(line: ProductionLine, recording: Recording) -> Iterator[SwitchPoint]:
+def _find_switches(line: ProductionLine, recording: Recording) -> Iterator[FollowerEvent]:
     """The starts of transitions, on the true axis.
 
     The travel since the start follows from the transition's progress at the end of the first step that shows it."""
     ramp, begin, progress, distance = (recording.values[name] for name in RAMP)
-    for i in np.flatnonzero(np.diff(ramp, prepend=0.0) > 0.0).tolist():
+    for number, i in enumerate(np.flatnonzero(np.diff(ramp, prepend=0.0) > 0.0).tolist(), 1):
         travel = math.copysign(distance[i] * progress[i], recording.master[i, 1])
         error = _shortest(recording.master[i, 0] - travel - begin[i], line.follower.period)
-        yield SwitchPoint(float(recording.time[i]), float(begin[i]), float(error))
+        time = float(recording.time[i])
+        yield FollowerEvent(number, time, time, float(begin[i]), float(error))

@@ -1,20 +1,17 @@
 """How the values of a column are distributed over the runs of a sweep; of length errors, how capable the process is.
 
-The rows are read twice, some thousand at a time: the memory does not grow with them."""
+DuckDB counts the values, so memory does not grow with them."""
 
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from ..scenario.engineering import ROUNDING, engineering
-from ..scenario.recording import Reals
+from .database import ColumnKind, Database
 from .result_columns import TOLERANCE, TRUE_LENGTH_ERRORS
-from .table import Rows
 
 BINS = 1_000_000  # between the least and the greatest value: so exact are quantiles
 CONFIDENCE = 0.95  # of the interval of a process capability
@@ -98,65 +95,38 @@ class Distribution:
         return nested
 
 
-def find_distribution(rows: Rows, name: str) -> Distribution | None:
+def find_distribution(db: Database, name: str) -> Distribution | None:
     """The distribution of a column of numbers, or of lists of them; None: no run has a value.
 
     Raises:
-        UserError: there is no such column, or a part file is damaged.
+        UserError: a part file is damaged.
     """
-    moments, tolerances = _Moments(), set[float]()
-    has_tolerance = name == TRUE_LENGTH_ERRORS and TOLERANCE in rows.schema.names
-    for batch in rows.batches([name, TOLERANCE] if has_tolerance else [name]):
-        values, runs = _values(batch[name])
-        moments.add(values, runs)
-        if has_tolerance:
-            tolerances |= set(pc.unique(batch[TOLERANCE]).drop_null().to_pylist())
-    if not moments.count:
+    column = db.columns[name]
+    numbers = column.sql if column.kind is ColumnKind.LIST else f"[{column.sql}::DOUBLE]"
+    db.do(f"CREATE OR REPLACE VIEW numbers AS SELECT *, [x FOR x IN {numbers} IF isfinite(x)] AS numbers FROM runs")
+    m = db.one("""
+        SELECT count(*) AS count, avg(v) AS mean, stddev_samp(v) AS sigma, min(v) AS least, max(v) AS greatest,
+            (SELECT count(*) FROM numbers WHERE len(numbers) > 0) AS runs
+        FROM (SELECT unnest(numbers) AS v FROM numbers)""")
+    if not m["count"]:
         return None
-    bins = np.zeros(BINS, np.int64)
-    spread = moments.greatest - moments.least
-    capability = _CapabilityEstimate(moments, *tolerances) if len(tolerances) == 1 else None
-    for batch in rows.batches([name]):
-        values, runs = _values(batch[name])
-        shares = (values - moments.least) / spread if spread else np.zeros(len(values))
-        np.add.at(bins, np.minimum((BINS * shares).astype(np.int64), BINS - 1), 1)
-        if capability:
-            capability.add(values, runs)
-    m = moments
-    result = capability.result() if capability else None
-    return Distribution(m.runs, m.count, m.mean, m.sigma, m.least, m.greatest, result, bins)
+    runs, count = int(m["runs"]), int(m["count"])
+    mean, sigma, least, greatest = (float(m[key]) for key in ("mean", "sigma", "least", "greatest"))
+    spread = greatest - least
+    if count > 1 and not spread:
+        mean, sigma = least, 0.0  # without rounding
+    place = f"least(floor({BINS} * (v - {least!r}) / {spread!r}), {BINS - 1})::INTEGER" if spread else "0"
+    bins = db.ask(f"SELECT {place} AS bin, count(*) AS n FROM (SELECT unnest(numbers) AS v FROM numbers) GROUP BY bin")
+    counts = np.zeros(BINS, np.int64)
+    counts[bins["bin"]] = bins["n"]
+    result = Distribution(runs, count, mean, sigma, least, greatest, None, counts)
+    if name != TRUE_LENGTH_ERRORS or TOLERANCE not in db.columns:
+        return result
+    tolerances = db.ask(f"SELECT DISTINCT {TOLERANCE} AS t FROM runs WHERE {TOLERANCE} IS NOT NULL")["t"].tolist()
+    return replace(result, capability=_find_capability(db, result, *tolerances)) if len(tolerances) == 1 else result
 
 
-class _Moments:
-    """Count, mean and sigma of values that come in batches: sums of squares are joined as by Chan, Golub and LeVeque,
-    "Algorithms for computing the sample variance" (1983)."""
-
-    def __init__(self) -> None:
-        self.runs = self.count = 0
-        self.mean = self.squares = 0.0  # the sum of the squared differences from the mean
-        self.least, self.greatest = math.inf, -math.inf
-
-    def add(self, values: Reals, runs: NDArray[np.int64]) -> None:
-        """Add values; `runs`: to which run each belongs."""
-        if not len(values):
-            return
-        count, mean = self.count + len(values), float(values.mean())
-        away = mean - self.mean
-        self.squares += float(np.square(values - mean).sum()) + away * away * self.count * len(values) / count
-        self.mean += away * len(values) / count
-        self.count = count
-        self.runs += len(np.unique(runs))
-        self.least, self.greatest = min(self.least, float(values.min())), max(self.greatest, float(values.max()))
-
-    @property
-    def sigma(self) -> float:
-        """One standard deviation; 0, without rounding, where all values are the same."""
-        if self.count < 2:
-            return math.nan
-        return math.sqrt(self.squares / (self.count - 1)) if self.least < self.greatest else 0.0
-
-
-class _CapabilityEstimate:
+def _find_capability(db: Database, d: Distribution, tolerance: float) -> Capability:
     """C_pk = (T - |m|) / (3 s) of all errors e together, of mean m and sigma s, and its confidence interval.
 
     Errors of one run depend on each other: neighbours share a cut, and each run meets the same ramps of its line. The
@@ -168,42 +138,22 @@ class _CapabilityEstimate:
     Variance Estimation, 2nd edition, chapter 6). The interval has the quantiles of Student's distribution with R - 1
     degrees of freedom. With one normal error a run the variance is that of Bissell, "How reliable is your capability
     index?" (Applied Statistics 39, 1990): 1 / (9 n) + C_pk^2 / (2 n)."""
+    margin = tolerance - abs(d.mean)
+    c_pk = margin / (3.0 * d.sigma) if d.sigma > ROUNDING * tolerance else math.copysign(math.inf, margin)
+    beyond = f"[e FOR e IN numbers IF abs(e) > {tolerance!r}]"
+    outside = int(db.one(f"SELECT sum(len({beyond})) AS n FROM numbers")["n"])
+    if d.runs < 2 or not math.isfinite(c_pk):
+        return Capability(tolerance, outside, c_pk, math.nan, math.nan)
+    from scipy.special import stdtrit  # noqa: PLC0415 (it takes long to load)
 
-    def __init__(self, moments: _Moments, tolerance: float) -> None:
-        self.moments, self.tolerance = moments, tolerance
-        margin, sigma = tolerance - abs(moments.mean), moments.sigma
-        self.c_pk = margin / (3.0 * sigma) if sigma > ROUNDING * tolerance else math.copysign(math.inf, margin)
-        self.squares = 0.0
-        self.outside = 0
-
-    def add(self, errors: Reals, runs: NDArray[np.int64]) -> None:
-        """Add errors; `runs`: to which run each belongs."""
-        m = self.moments
-        self.outside += int(np.count_nonzero(np.abs(errors) > self.tolerance))
-        if m.sigma > 0.0 and len(errors):
-            scaled = (errors - m.mean) / m.sigma
-            linear = -np.sign(m.mean) * scaled / 3.0 - 0.5 * self.c_pk * (scaled * scaled - 1.0)
-            self.squares += float(np.square(np.bincount(runs, linear / m.count)).sum())
-
-    def result(self) -> Capability:
-        """What follows from all errors."""
-        runs = self.moments.runs
-        if runs < 2 or not math.isfinite(self.c_pk):
-            return Capability(self.tolerance, self.outside, self.c_pk, math.nan, math.nan)
-        from scipy.special import stdtrit  # noqa: PLC0415 (it takes long to load)
-
-        deviation = math.sqrt(self.squares * runs / (runs - 1))
-        reach = deviation * float(stdtrit(runs - 1, 0.5 + 0.5 * CONFIDENCE))
-        return Capability(self.tolerance, self.outside, self.c_pk, self.c_pk - reach, self.c_pk + reach)
-
-
-def _values(column: Any) -> tuple[Reals, NDArray[np.int64]]:
-    """The finite values of a batch's column, and the place in the batch of the run to which each belongs."""
-    lists = pa.types.is_list(column.type)
-    values = np.asarray((column.flatten() if lists else column).cast(pa.float64()).to_numpy(zero_copy_only=False))
-    runs = np.asarray(pc.list_parent_indices(column)) if lists else np.arange(len(values))
-    is_finite = np.isfinite(values)
-    return values[is_finite], runs[is_finite].astype(np.int64)
+    scaled = f"(e - {d.mean!r}) / {d.sigma!r}"
+    linear = (
+        f"({-math.copysign(1.0, d.mean) / 3.0!r} * {scaled} - {0.5 * c_pk!r} * (({scaled}) ** 2 - 1.0)) / {d.count}"
+    )
+    squares = db.one(f"SELECT sum(list_sum([{linear} FOR e IN numbers]) ** 2) AS sum FROM numbers")["sum"]
+    deviation = math.sqrt(float(squares) * d.runs / (d.runs - 1))
+    reach = deviation * float(stdtrit(d.runs - 1, 0.5 + 0.5 * CONFIDENCE))
+    return Capability(tolerance, outside, c_pk, c_pk - reach, c_pk + reach)
 
 
 def _finite(value: Any) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 import pyarrow.compute as pc
 
 from ..scenario.engineering import engineering
+from .database import Database
 from .distribution import MOST, Distribution, find_distribution
 from .result_columns import TRUE_LENGTH_ERRORS
 from .table import Rows
@@ -99,7 +100,7 @@ def summarize(rows: Rows) -> Summary:
         if result.faults is not None:
             result.faults += _count(pc.not_equal(batch[FAULT], 0))
     if TRUE_LENGTH_ERRORS in rows.schema.names:
-        result.true_length_errors = find_distribution(rows, TRUE_LENGTH_ERRORS)
+        result.true_length_errors = find_distribution(Database(rows.folder, rows.files, ()), TRUE_LENGTH_ERRORS)
     result.unexpected = result.runs - result.passed - result.refused
     return result
 

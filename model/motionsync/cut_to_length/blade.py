@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.instants import NEVER, due_instant
 from ..cutting.piece import PieceInProgress
 from ..master import Master
+from ..master_path import NEVER, MasterPath
 from ..slave import Edge
 from .carriage import Carriage, Stage
 from .instants import Condition, first_instant
 from .interface import Tool, ToolMode
-from .machine_limits import Machine
 
 
 @dataclass(slots=True)
@@ -40,62 +39,61 @@ class Blade:
         if tool.blade_down and not tool.command:
             tool.blade_down = self.command_clock.time < retract_time
 
-    def instant_before_sync(
-        self, tool: Tool, master: Master, carriage: Carriage, piece: PieceInProgress, now: float, until: float
-    ) -> float:
+    def instant_before_sync(self, tool: Tool, master: Master, carriage: Carriage, piece: PieceInProgress) -> float:
         """When the tool is commanded, or the blade touches, in s since the step's beginning; NEVER: not before sync, or
         not before the line goes back."""
+        path = master.path
         cycle = carriage.cycle_machine
         time = NEVER
         if not tool.command:
             if cycle.on_delay > cycle.settle_time:
-                time = first_instant(Condition.COMMAND, master, carriage, piece, now, until)
+                time = first_instant(Condition.COMMAND, master, carriage, piece, path.until)
         elif not tool.blade_down:
-            time = due_instant(self.command_clock, cycle.on_delay, now, until)
+            time = path.due(self.command_clock, cycle.on_delay)
         if time == NEVER:
             return NEVER
-        if first_instant(Condition.SYNC, master, carriage, piece, now, time) < time:
+        if first_instant(Condition.SYNC, master, carriage, piece, time) < time:
             return NEVER
-        if first_instant(Condition.BACK, master, carriage, piece, now, time) < time:
+        if first_instant(Condition.BACK, master, carriage, piece, time) < time:
             return NEVER
         if tool.command and carriage.is_nearly_in_sync(master, time):
             return NEVER  # the blade touches in sync
         return time
 
-    def instant_in_sync(self, tool: Tool, cycle: Machine, sync_clock: Clock, now: float, until: float) -> float:
-        """When the next event in sync is due: the tool is commanded, the blade touches, or the cut starts.
-
-        `sync_clock`: the time since sync."""
+    def instant_in_sync(self, tool: Tool, carriage: Carriage, path: MasterPath) -> float:
+        """When the next event in sync is due: the tool is commanded, the blade touches, or the cut starts."""
+        cycle = carriage.cycle_machine
+        sync_clock = carriage.stage_clock
         if not tool.command:
-            return due_instant(sync_clock, max(cycle.settle_time - cycle.on_delay, 0.0), now, until)
-        touch = due_instant(self.command_clock, cycle.on_delay, now, until)
-        settled = due_instant(sync_clock, cycle.settle_time, now, until)
+            return path.due(sync_clock, max(cycle.settle_time - cycle.on_delay, 0.0))
+        touch = path.due(self.command_clock, cycle.on_delay)
+        settled = path.due(sync_clock, cycle.settle_time)
         if not tool.blade_down and touch < settled:
             return touch
         return max(touch, settled)
 
 
-def stage_end(
-    carriage: Carriage, blade: Blade, tool: Tool, master: Master, piece: PieceInProgress, now: float, until: float
-) -> float:
-    """When the next event of a stage on the curve is due, in s since the step's beginning; NEVER: not up to `until`.
+def stage_end(carriage: Carriage, blade: Blade, tool: Tool, master: Master, piece: PieceInProgress) -> float:
+    """When the next event of a stage on the curve is due, in s since the step's beginning; NEVER: not on what is left
+    of the section.
 
     SYNCHRONOUS: the tool is commanded, the blade touches, or the cut starts. CUTTING: the cut is through, or the tool
     does not answer. PULLING: the gap is open. CLEARING: the blade is clear."""
+    path = master.path
     clock = carriage.stage_clock
     time = NEVER
     match carriage.stage:
         case Stage.SYNCHRONOUS:
-            time = blade.instant_in_sync(tool, carriage.cycle_machine, clock, now, until)
+            time = blade.instant_in_sync(tool, carriage, path)
         case Stage.CUTTING:
             if tool.mode == ToolMode.DISTANCE:
-                time = first_instant(Condition.THROUGH, master, carriage, piece, now, until)
+                time = first_instant(Condition.THROUGH, master, carriage, piece, path.until)
             elif tool.mode == ToolMode.TIME:
-                time = due_instant(clock, carriage.cycle_machine.cut_time, now, until)
+                time = path.due(clock, carriage.cycle_machine.cut_time)
             elif carriage.cut_timeout > 0.0:
-                time = due_instant(clock, carriage.cut_timeout, now, until)
+                time = path.due(clock, carriage.cut_timeout)
         case Stage.PULLING:
-            time = first_instant(Condition.GAP_OPEN, master, carriage, piece, now, until)
+            time = first_instant(Condition.GAP_OPEN, master, carriage, piece, path.until)
         case _:
-            time = due_instant(clock, carriage.clearing_time, now, until)
+            time = path.due(clock, carriage.clearing_time)
     return time

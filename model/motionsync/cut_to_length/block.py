@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from .. import var
 from ..clock import Clock
 from ..cutting.faults import MarkRefusal, PieceFault
-from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
 from ..cutting.outputs import show_line_request, show_marks, show_queues, show_skipped_cut
-from ..cutting.pieces import record_piece, try_drop_turns
+from ..cutting.pieces import fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.exceeded_limit import ExceededLimit
 from ..numerics.cosine import cosine
 from .blade import Blade, stage_end
@@ -29,12 +29,11 @@ from .interface import CutToLengthInterface, ToolMode
 from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, skip_late_cuts
 from .machine_limits import approach_distance, lead
 from .outputs import show_cut, show_saw_warnings, show_state
-from .pieces import fix_piece, update_piece
+from .pieces import update_piece
 from .predictions import Predictions
 from .settings import MachineSettings, refused_parameter, start_refusal
 
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
-MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 
 
 @dataclass(slots=True)
@@ -64,7 +63,6 @@ class CutToLength(CutToLengthInterface):
     reserve: CycleReserve = var.part(CycleReserve)
     sync_time: float = 0.0  # the block's time
 
-    now: float = 0.0  # up to which all events are carried out, since the step's beginning
     block_clock: Clock = var.part(Clock)
 
     def initialize(self) -> Refusal:
@@ -141,7 +139,6 @@ class CutToLength(CutToLengthInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
-        self.now = 0.0
         self.check_settings()
         self.obey_machine()
         self.obey_pieces()
@@ -188,7 +185,7 @@ class CutToLength(CutToLengthInterface):
         if self.carriage.homing.end == self.settings.home_position:
             self.carriage.enter_waiting()
         else:
-            self.carriage.enter_homing(self.now)
+            self.carriage.enter_homing(self.master.path.now)
 
     # --- the material ---
 
@@ -203,67 +200,57 @@ class CutToLength(CutToLengthInterface):
 
     def travel(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
-        path = self.master.path
-        self.now = 0.0 if section == 0 else path.times[section]
-        until = 0.0 if section == 0 else path.times[section + 1]
+        self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(until):
+            if not self.try_event():
                 break
 
-    def try_event(self, until: float) -> bool:
-        """Carry out the next event up to a time since the step's beginning; False: there is none."""
-        happened = False
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.carriage.stage:
             case Stage.RESTING:
-                pass
+                return False
             case Stage.HOMING | Stage.RETURNING:
-                happened = self.try_event_returning(until)
+                return self.try_event_returning()
             case Stage.WAITING:
-                happened = self.try_event_waiting(until)
+                return self.try_event_waiting()
             case Stage.APPROACHING:
-                happened = self.try_event_approaching(until)
+                return self.try_event_approaching()
             case Stage.CLEARING:
-                happened = self.try_sync_while_clearing(until)
-                if not happened:
-                    happened = self.try_event_on_curve(until)
+                return self.try_sync_while_clearing() or self.try_event_on_curve()
             case _:
-                happened = self.try_event_on_curve(until)
-        return happened
+                return self.try_event_on_curve()
 
-    def due(self, clock: Clock, time: float, until: float) -> float:
-        """When a clock reaches a time, in s since the step's beginning; NEVER: not up to `until`."""
-        return due_instant(clock, time, self.now, until)
-
-    def first(self, condition: Condition, until: float) -> float:
-        """The first instant from now on at which a condition holds; NEVER: there is none up to `until`."""
-        return first_instant(condition, self.master, self.carriage, self.material.piece, self.now, until)
+    def first(self, condition: Condition) -> float:
+        """The first instant from now on at which a condition holds; NEVER: not on what is left of the section."""
+        return first_instant(condition, self.master, self.carriage, self.material.piece, self.master.path.until)
 
     # --- the events of each stage ---
 
-    def try_event_returning(self, until: float) -> bool:
+    def try_event_returning(self) -> bool:
         """The carriage arrives, or has halted to come home with ease."""
-        time = self.due(self.carriage.homing.motion.clock, self.carriage.homing.motion.end_time(), until)
+        time = self.master.path.due(self.carriage.homing.motion.clock, self.carriage.homing.motion.end_time())
         if time == NEVER:
             return False
-        self.now = time
+        self.master.path.now = time
         if self.carriage.homing.is_halting:
             self.carriage.homing.continue_home(self.carriage.machine, time)
         else:
             self.arrive()
         return True
 
-    def try_event_waiting(self, until: float) -> bool:
+    def try_event_waiting(self) -> bool:
         """The carriage has settled, or an approach starts."""
         if not self.carriage.is_ready:
-            return self.try_settle(until)
+            return self.try_settle()
         if self.hold:
             return False
         if self.operation.is_cut_pending:
-            time = self.first(Condition.ADMISSIBLE, until)
+            time = self.first(Condition.ADMISSIBLE)
         elif self.material.piece.is_fixed and not self.predictions.is_far_from_start(
-            self, self.carriage, self.material.piece.end, self.now, until
+            self, self.carriage, self.material.piece.end
         ):
-            time = self.first(Condition.START, until)
+            time = self.first(Condition.START)
         else:
             return False
         if time == NEVER:
@@ -271,48 +258,49 @@ class CutToLength(CutToLengthInterface):
         if not (self.settings.are_current(self) and self.material.settings.has_cycle(self)):
             self.operation.pieces.fault = PieceFault.TUNABLE
             return False
-        velocity = self.master.velocity_at(self.now)
-        is_crossed = not has_reached_start(self.master, self.carriage, self.material.piece, velocity, self.now)
-        self.now = time
+        path = self.master.path
+        velocity = self.master.present_velocity()
+        is_crossed = not has_reached_start(self.master, self.carriage, self.material.piece, velocity, path.now)
+        path.now = time
         if self.operation.is_cut_pending:
             self.start_cut_now()
         else:
-            self.start_next_cut(is_crossed, until)
+            self.start_next_cut(is_crossed)
         return True
 
-    def try_settle(self, until: float) -> bool:
+    def try_settle(self) -> bool:
         """The carriage has rested at home for long enough."""
-        time = self.due(self.carriage.stage_clock, self.settings.homing.settle_time, until)
+        time = self.master.path.due(self.carriage.stage_clock, self.settings.homing.settle_time)
         if time == NEVER:
             return False
-        self.now = time
+        self.master.path.now = time
         self.carriage.is_ready = True
         self.reserve.ready_clock.start(time)
         return True
 
-    def try_event_approaching(self, until: float) -> bool:
+    def try_event_approaching(self) -> bool:
         """The tool is commanded, the blade touches, sync is reached, or the line goes back."""
-        if self.try_tool_before_sync(until):
+        if self.try_tool_before_sync():
             return True
-        back = self.first(Condition.BACK, until)
+        back = self.first(Condition.BACK)
         if back != NEVER:
-            self.now = back
+            self.master.path.now = back
             self.go_back()
             return True
-        sync = self.first(Condition.SYNC, until)
+        sync = self.first(Condition.SYNC)
         if sync == NEVER:
             return False
-        self.now = sync
+        self.master.path.now = sync
         self.enter_synchronous()
         return True
 
-    def try_tool_before_sync(self, until: float) -> bool:
+    def try_tool_before_sync(self) -> bool:
         """Carry out what the tool does before sync, if it comes first."""
         piece = self.material.piece
-        time = self.blade.instant_before_sync(self.tool, self.master, self.carriage, piece, self.now, until)
+        time = self.blade.instant_before_sync(self.tool, self.master, self.carriage, piece)
         if time == NEVER:
             return False
-        self.now = time
+        self.master.path.now = time
         if self.tool.command:
             self.tool.blade_down = True
             self.blade.is_early = True
@@ -322,69 +310,71 @@ class CutToLength(CutToLengthInterface):
             self.command_tool(True)
         return True
 
-    def try_sync_while_clearing(self, until: float) -> bool:
+    def try_sync_while_clearing(self) -> bool:
         """CLEARING: the carriage, which has left the approach, is in sync after all."""
         if self.carriage.curve.has_joined:
             return False
-        clear = self.due(self.carriage.stage_clock, self.carriage.clearing_time, until)
-        time = self.first(Condition.SYNC, min(clear, until))
+        path = self.master.path
+        clear = self.master.path.due(self.carriage.stage_clock, self.carriage.clearing_time)
+        piece = self.material.piece
+        time = first_instant(Condition.SYNC, self.master, self.carriage, piece, min(clear, path.until))
         if time == NEVER:
             return False
-        self.now = time
+        path.now = time
         self.carriage.curve.has_joined = True
         return True
 
-    def try_event_on_curve(self, until: float) -> bool:
+    def try_event_on_curve(self) -> bool:
         """The next event of the stage, or the stroke ends before it."""
-        piece = self.material.piece
-        time = stage_end(self.carriage, self.blade, self.tool, self.master, piece, self.now, until)
-        if self.try_end_of_stroke(min(time, until), time):
+        time = stage_end(self.carriage, self.blade, self.tool, self.master, self.material.piece)
+        if self.try_end_of_stroke(time):
             return True
         if time == NEVER:
             return False
         match self.carriage.stage:
             case Stage.SYNCHRONOUS:
-                self.act_in_sync(time, until)
+                self.act_in_sync(time)
             case Stage.CUTTING:
-                self.now = time
+                self.master.path.now = time
                 if self.tool.mode == ToolMode.FEEDBACK:
                     self.fail(Fault.TOOL_TIMEOUT)
                 else:
                     self.end_cut()
             case Stage.PULLING:
-                self.now = time
+                self.master.path.now = time
                 self.command_tool(False)
-                self.carriage.enter_clearing(self.now)
+                self.carriage.enter_clearing(self.master.path.now)
             case _:
-                self.now = time
+                self.master.path.now = time
                 self.tool.blade_down = False
                 self.enter_returning()
         return True
 
-    def act_in_sync(self, time: float, until: float) -> None:
+    def act_in_sync(self, time: float) -> None:
         """The tool is commanded, the blade touches, or the cut starts."""
         cycle = self.carriage.cycle_machine
-        touch = self.due(self.blade.command_clock, cycle.on_delay, until)
-        self.now = time
+        touch = self.master.path.due(self.blade.command_clock, cycle.on_delay)
+        self.master.path.now = time
         if not self.tool.command:
             self.command_tool(True)
         elif (
             touch == time
             and not self.tool.blade_down
-            and self.due(self.carriage.stage_clock, cycle.settle_time, time) == NEVER
+            and not self.carriage.stage_clock.has_reached(cycle.settle_time, time)
         ):
             self.tool.blade_down = True
         else:
             self.enter_cutting()
 
-    def try_end_of_stroke(self, until: float, other: float) -> bool:
+    def try_end_of_stroke(self, other: float) -> bool:
         """The carriage has to stop before an end of its stroke, earlier than the other event comes."""
-        if self.carriage.is_far_from_ends(self.master, self.now, until):
+        until = min(other, self.master.path.until)
+        if self.carriage.is_far_from_ends(self.master, until):
             return False
-        time = self.first(Condition.STROKE_END, until)
+        time = first_instant(Condition.STROKE_END, self.master, self.carriage, self.material.piece, until)
         if time == NEVER or time >= other:
             return False
-        self.now = time
+        self.master.path.now = time
         if self.tool.blade_down:
             self.statistics.unsynchronised = increased(self.statistics.unsynchronised, 1.0)
         if self.operation.fault == Fault.NONE:
@@ -396,17 +386,19 @@ class CutToLength(CutToLengthInterface):
 
     # --- cuts start and end ---
 
-    def start_next_cut(self, is_crossed: bool, until: float) -> None:
+    def start_next_cut(self, is_crossed: bool) -> None:
         """Start the approach to the next cut, which is where it starts, or beyond that; or act on a late cut.
 
         `is_crossed`: the cut has come there in the present step."""
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         machine = self.carriage.machine
         piece = self.material.piece
-        distance = self.carriage.homing.end - machine.coupling * self.master.distance_beyond(piece.end, self.now)
+        distance = self.carriage.homing.end - machine.coupling * self.master.distance_beyond(
+            piece.end, self.master.path.now
+        )
         if is_crossed and not piece.waits_for_line():
             distance = approach_distance(machine, velocity)  # the same, without the rounding of positions
-        earliest = cut_of_start(piece.end, self.carriage, self.master, self.now, lead(machine, velocity))
+        earliest = cut_of_start(piece.end, self.carriage, self.master, lead(machine, velocity))
         match decide_cut(self.material.settings.cycle.late_mode, piece, machine, velocity, distance, earliest):
             case CutDecision.MAKE:
                 self.enter_approaching(distance, False)
@@ -417,38 +409,38 @@ class CutToLength(CutToLengthInterface):
             case CutDecision.SKIP:
                 distance = lead(machine, velocity)
                 self.show_skipped_cut(SkipReason.LATE, distance)
-                skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
+                skip_late_cuts(self.material, self.statistics, self.carriage, self.master, distance)
             case CutDecision.STOP_LINE:
                 self.fail(PieceFault.CUT_MISSED)
             case CutDecision.SKIP_UNTIL_ADMISSIBLE:
-                self.skip_cuts_of_fast_line(until)
+                self.skip_cuts_of_fast_line()
             case CutDecision.STOP_FAST_LINE:
                 self.fail(Fault.STROKE)
 
     def start_cut_now(self) -> None:
         """Carry out a cut_now: cut where the carriage can be in sync first, if there is material."""
-        distance = lead(self.carriage.machine, self.master.velocity_at(self.now))
-        cut = cut_of_start(self.master.begin, self.carriage, self.master, self.now, distance)
+        distance = lead(self.carriage.machine, self.master.present_velocity())
+        cut = cut_of_start(self.master.begin, self.carriage, self.master, distance)
         if self.operation.try_take_cut(self.material, cut, True):
             self.enter_approaching(distance, False)
 
-    def skip_cuts_of_fast_line(self, until: float) -> None:
-        """Leave out all cuts that are due before the line is slow enough, up to a time since the step's beginning."""
+    def skip_cuts_of_fast_line(self) -> None:
+        """Leave out all cuts that are due before the line is slow enough, on what is left of the section."""
         machine = self.carriage.machine
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         distance = lead(machine, velocity)
         self.show_skipped_cut(fast_line_reason(machine, velocity), distance)
         if self.source == Source.LENGTH:
-            self.now = min(self.first(Condition.ADMISSIBLE, until), until)
-            distance = approach_distance(machine, self.master.velocity_at(self.now))
-        skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
+            self.master.path.now = min(self.first(Condition.ADMISSIBLE), self.master.path.until)
+            distance = approach_distance(machine, self.master.present_velocity())
+        skip_late_cuts(self.material, self.statistics, self.carriage, self.master, distance)
 
     def show_skipped_cut(self, reason: SkipReason, distance: float) -> None:
         """Show that the next cut is skipped, and why; `distance`: the way that its approach would need, u."""
         carriage = self.carriage
         cut = self.material.piece.end
-        left = carriage.homing.end - carriage.machine.coupling * self.master.distance_beyond(cut, self.now)
-        show_skipped_cut(self.local, reason, self.master, cut, self.now, distance - left)
+        left = carriage.homing.end - carriage.machine.coupling * self.master.distance_beyond(cut, self.master.path.now)
+        show_skipped_cut(self.local, reason, self.master, cut, distance - left)
 
     def enter_approaching(self, distance: float, is_late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
@@ -457,11 +449,13 @@ class CutToLength(CutToLengthInterface):
         carriage.cut_timeout = self.settings.tool.timeout
         carriage.curve.plan_approach(carriage.cycle_machine.coupling, carriage.homing.end, distance)
         carriage.cut = self.material.piece.end
-        self.reserve.start_approach(self.now, is_late)
+        self.reserve.start_approach(self.master.path.now, is_late)
         self.blade.is_early = False
-        self.local.start_time = self.block_clock.time + self.now
+        self.local.start_time = self.block_clock.time + self.master.path.now
         self.carriage.stage = Stage.APPROACHING
-        if carriage.is_nearly_in_sync(self.master, self.now):  # the line is at rest where the cut is, or nearly so
+        if carriage.is_nearly_in_sync(
+            self.master, self.master.path.now
+        ):  # the line is at rest where the cut is, or nearly so
             self.enter_synchronous()
 
     def end_cut(self) -> None:
@@ -469,20 +463,20 @@ class CutToLength(CutToLengthInterface):
         record_piece(self, self.material, self.records, self.carriage.cut, self.sync_time, self.reserve.share)
         self.warning.change_pending = False
         self.reserve.end_cut()
-        fix_piece(self, self.operation, self.material)
+        fix_piece(self.operation, self.material, self.material.settings.has_piece(self), False)
         self.warning.gap_skipped = False
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         cycle = self.carriage.cycle_machine
         if cycle.gap_distance > 0.0:
             carriage_velocity = cycle.coupling * velocity
             if velocity > 0.0 and can_open_gap(
                 carriage_velocity, cycle.gap_distance, cycle.gap_travel, self.settings.axis
             ):
-                self.carriage.enter_pulling(self.master, self.now)
+                self.carriage.enter_pulling(self.master)
                 return
             self.warning.gap_skipped = True
         self.command_tool(False)
-        self.carriage.enter_clearing(self.now)
+        self.carriage.enter_clearing(self.master.path.now)
 
     # --- the stages are entered ---
 
@@ -496,23 +490,23 @@ class CutToLength(CutToLengthInterface):
     def enter_synchronous(self) -> None:
         self.carriage.stage = Stage.SYNCHRONOUS
         self.carriage.curve.has_joined = True
-        self.carriage.stage_clock.start(self.now)
-        self.sync_time = self.block_clock.time + self.now
+        self.carriage.stage_clock.start(self.master.path.now)
+        self.sync_time = self.block_clock.time + self.master.path.now
 
     def enter_cutting(self) -> None:
         self.carriage.stage = Stage.CUTTING
-        self.carriage.stage_clock.start(self.now)
-        self.carriage.cut_begin = self.master.distance_beyond(self.carriage.cut, self.now)
+        self.carriage.stage_clock.start(self.master.path.now)
+        self.carriage.cut_begin = self.master.distance_beyond(self.carriage.cut, self.master.path.now)
         self.tool.blade_down = True
         self.warning.blade_early = self.blade.is_early
 
     def enter_returning(self) -> None:
         """From any motion to home; from the material eased, if there is time for it."""
         is_homing = self.carriage.stage in (Stage.RETURNING, Stage.HOMING)
-        self.carriage.plan_homing(self.master, self.now, is_homing)
+        self.carriage.plan_homing(self.master, is_homing)
         if not is_homing and self.can_ease():
             homing = self.settings.homing
-            self.carriage.ease_homing(self.master, self.now, homing.slowest, homing.spare_time, self.material.piece.end)
+            self.carriage.ease_homing(self.master, homing.slowest, homing.spare_time, self.material.piece.end)
         self.carriage.stage = Stage.RETURNING
 
     def can_ease(self) -> bool:
@@ -521,7 +515,7 @@ class CutToLength(CutToLengthInterface):
             return False
         if not (self.running and self.homing.ease and self.material.piece.is_fixed):
             return False
-        return self.master.velocity_at(self.now) > 0.0 and not is_accelerating(self.master)
+        return self.master.present_velocity() > 0.0 and not is_accelerating(self.master)
 
     def watch_ease(self) -> None:
         """Hurry home where there is no time for an eased motion any more."""
@@ -533,8 +527,8 @@ class CutToLength(CutToLengthInterface):
 
     def arrive(self) -> None:
         """The carriage is at home."""
-        self.carriage.stage_clock.start(self.now)
-        self.local.home_time = self.block_clock.time + self.now
+        self.carriage.stage_clock.start(self.master.path.now)
+        self.local.home_time = self.block_clock.time + self.master.path.now
         self.carriage.homing.rest_at(self.carriage.homing.end)
         self.master.watch_travel()
         if self.operation.is_stopping or self.operation.fault != Fault.NONE:
@@ -547,16 +541,16 @@ class CutToLength(CutToLengthInterface):
         self.command_tool(False)
         self.tool.blade_down = False
         if self.operation.is_stopping:
-            self.carriage.stage_clock.start(self.now)
+            self.carriage.stage_clock.start(self.master.path.now)
             self.enter_resting()
         else:
             self.carriage.enter_waiting()
             self.carriage.is_ready = True
-            self.reserve.ready_clock.start(self.now)
+            self.reserve.ready_clock.start(self.master.path.now)
 
     def command_tool(self, down: bool) -> None:
         """Command the tool, if that is a change."""
-        self.blade.command(self.tool, down, self.now, self.block_clock.time)
+        self.blade.command(self.tool, down, self.master.path.now, self.block_clock.time)
 
     def fail(self, fault: int) -> None:
         """The machine stops for a fault: the carriage leaves the material and moves home."""
@@ -572,7 +566,7 @@ class CutToLength(CutToLengthInterface):
                 self.enter_resting()
             case Stage.APPROACHING | Stage.SYNCHRONOUS | Stage.CUTTING | Stage.PULLING:
                 if self.tool.blade_down:
-                    self.carriage.enter_clearing(self.now)
+                    self.carriage.enter_clearing(self.master.path.now)
                 else:
                     self.enter_returning()
             case Stage.HOMING:
@@ -591,7 +585,7 @@ class CutToLength(CutToLengthInterface):
             case Stage.RESTING | Stage.WAITING:
                 self.slave.set(self.carriage.homing.end, 0.0, 0.0, 0.0)
             case Stage.HOMING | Stage.RETURNING:
-                position, velocity, acceleration, jerk = self.carriage.homing.at(0.0)
+                position, velocity, acceleration, jerk = self.carriage.homing.motion.at(0.0)
                 self.slave.set(position, velocity, acceleration, jerk)
             case _:
                 position, velocity, acceleration, jerk = self.carriage.setpoint_at_end(self.master)

@@ -73,11 +73,14 @@ class Carriage:
         self.homing_start.set(self.homing.end, 0.0, 0.0)
         self.homing.plan(self.machine, now, self.homing_start)
 
-    def enter_pulling(self, master: Master, now: float) -> None:
+    def enter_pulling(self, master: Master) -> None:
         """Ahead of the material, to open the gap."""
         self.stage = Stage.PULLING
-        beyond_cut = master.distance_beyond(self.cut, now)
-        self.curve.plan_gap(beyond_cut, self.cycle_machine.gap_distance, self.cycle_machine.gap_travel)
+        self.curve.plan_gap(
+            master.distance_beyond(self.cut, master.path.now),
+            self.cycle_machine.gap_distance,
+            self.cycle_machine.gap_travel,
+        )
 
     def enter_clearing(self, now: float) -> None:
         """On its curve, until the blade is clear."""
@@ -97,13 +100,14 @@ class Carriage:
         velocity, acceleration, jerk = chain_rule(d1, d2, d3, master.end_velocity, master.end_acceleration)
         return position, velocity, acceleration, jerk
 
-    def plan_homing(self, master: Master, now: float, is_homing: bool) -> None:
+    def plan_homing(self, master: Master, is_homing: bool) -> None:
         """Plan the motion home, as fast as the limits allow, from a motion home or from the curve over the master.
 
         Where the line has jumped, in no time, the carriage does not follow it beyond an end of its stroke."""
         machine = self.machine
+        now = master.path.now
         if is_homing:
-            position, velocity, acceleration, _ = self.homing.at(now)
+            position, velocity, acceleration, _ = self.homing.motion.at(now)
         else:
             position, velocity, acceleration, _ = self.setpoint_at(master, now)
         self.homing_start.set(position, velocity, acceleration)
@@ -120,17 +124,17 @@ class Carriage:
         )
         self.homing.plan(machine, now, self.homing_start)
 
-    def ease_homing(self, master: Master, now: float, slowest: float, spare_time: float, cut: float) -> None:
+    def ease_homing(self, master: Master, slowest: float, spare_time: float, cut: float) -> None:
         """Ease the motion home that has just been planned, if there is time for it before the next cut.
 
         On a measured line, whose velocity is noisy, it stays eased up to the velocity that costs half the spare time.
         """
         machine = self.machine
-        line_velocity = master.velocity_at(now)
+        line_velocity = master.present_velocity()
         start = (machine.home_position - approach_distance(machine, line_velocity)) / machine.coupling
-        until_start = (start - master.distance_beyond(cut, now)) / line_velocity
+        until_start = (start - master.distance_beyond(cut, master.path.now)) / line_velocity
         time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
-        self.homing.plan_eased(machine, slowest, now, self.homing_start, time)
+        self.homing.plan_eased(machine, slowest, master.path.now, self.homing_start, time)
         self.homing.eased_velocity = line_velocity
         if self.homing.is_eased and master.is_measured():
             self.homing.eased_velocity += 0.5 * spare_time / until_start * line_velocity
@@ -163,7 +167,7 @@ class Carriage:
         high = machine.max_position + end_tolerance(machine.max_position, machine.max_velocity)
         return not low <= position <= high
 
-    def is_far_from_ends(self, master: Master, now: float, until: float) -> bool:
+    def is_far_from_ends(self, master: Master, until: float) -> bool:
         """Whether the carriage, in sync, need not stop for an end of its stroke from now until a time since the step's
         beginning. Then no search for the instant is needed. The bound of the stopping distance is a rough one."""
         if not self.curve.has_joined:
@@ -181,7 +185,7 @@ class Carriage:
             change = acceleration * step
         if change > down * master.step:
             return False
-        first = k * master.distance_beyond(self.cut, now)
+        first = k * master.distance_beyond(self.cut, master.path.now)
         last = k * master.distance_beyond(self.cut, until)
         below = min(first, last) - self.machine.min_position
         stroke_left = min(below, self.machine.max_position - ahead - max(first, last))

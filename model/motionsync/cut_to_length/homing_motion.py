@@ -40,12 +40,8 @@ class HomingMotion:
         """Plan it as fast as the limits of homing allow; it starts this time after the step's beginning, s."""
         self.rest_at(machine.home_position)
         self.is_halting = False
-        speed = machine.homing_velocity
-        up = machine.homing_acceleration
-        down = machine.homing_deceleration
-        jerk = machine.homing_jerk
-        self.motion.move(start.position, start.velocity, start.acceleration, self.end, speed, up, down, jerk)
-        self.motion.clock.start(now)
+        self.motion.start(start.position, start.velocity, start.acceleration)
+        self.move_home(machine, now)
 
     def plan_eased(self, machine: Machine, slowest: float, now: float, start: MotionStart, time: float) -> None:
         """If the motion may take this time, s, halt first; from there use the share of the limits that is needed."""
@@ -55,34 +51,35 @@ class HomingMotion:
         distance = start.position - machine.home_position + 0.5 * start.velocity * halt
         if not (distance > 0.0 and start.velocity >= 0.0):
             return
-        fast = return_time(0.0, distance, machine.homing_acceleration, down, jerk, machine.homing_velocity)
+        fast = return_time(machine, 0.0, distance, machine.homing_acceleration)
         if time - halt > fast:
             self.is_eased = True
             self.is_halting = True
             self.share = max(slowest, fast / (time - halt))
-            self.motion.halt(start.position, start.velocity, start.acceleration, down, jerk)
+            self.motion.start(start.position, start.velocity, start.acceleration)
+            self.motion.halt(down, jerk)
             self.motion.clock.start(now)
 
     def continue_home(self, machine: Machine, now: float) -> None:
         """Move home from where the carriage has halted."""
-        share = self.share
-        position, _, _, _ = self.motion.at(self.motion.end_time())
         self.is_halting = False
+        self.motion.start(self.motion.positions[self.motion.segments - 1], 0.0, 0.0)
+        self.move_home(machine, now)
+
+    def move_home(self, machine: Machine, now: float) -> None:
+        """Move from where the motion has been started, with the share of the limits."""
+        share = self.share
         speed = share * machine.homing_velocity
         up = share * share * machine.homing_acceleration
         down = share * share * machine.homing_deceleration
         jerk = share * share * share * machine.homing_jerk
-        self.motion.move(position, 0.0, 0.0, self.end, speed, up, down, jerk)
+        self.motion.move(self.end, speed, up, down, jerk)
         self.motion.clock.start(now)
 
     def can_stay_eased(self, master: Master, cut: float) -> bool:
         """Whether the motion still is in time for the next cut: this has not changed, nor is the line faster."""
         is_faster = is_accelerating(master) or master.begin_velocity > self.eased_velocity * (1.0 + FASTER)
         return not is_faster and cut == self.eased_cut
-
-    def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time since the step's beginning."""
-        return self.motion.at(self.motion.clock.time + time)
 
 
 def is_accelerating(master: Master) -> bool:

@@ -1,8 +1,8 @@
 """The instants of events inside a step from which on a condition holds."""
 
-from ..cutting.instants import NEVER
 from ..cutting.piece import PieceInProgress
 from ..master import Master
+from ..master_path import NEVER
 from ..numerics.bracket import can_halve, halve, middle
 from ..var import Enumeration
 from .carriage import Carriage
@@ -23,11 +23,12 @@ class Condition(Enumeration):
 
 
 def first_instant(
-    condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, now: float, until: float
+    condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, until: float
 ) -> float:
-    """The first instant from `now` on at which a condition holds, in s since the step's beginning.
+    """The first instant from now on at which a condition holds, in s since the step's beginning.
 
     It is bisected down to rounding. NEVER: there is none up to `until`."""
+    now = master.path.now
     if holds(condition, master, carriage, piece, now):
         return now
     if until <= now or not holds(condition, master, carriage, piece, until):

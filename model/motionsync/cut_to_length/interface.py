@@ -173,7 +173,7 @@ class Local(CuttingLocal):
 
 @dataclass(slots=True)
 class CutToLengthInterface(CuttingInterface):
-    """All variables of the block, in the order in which the FMU lists them."""
+    """All variables of the block."""
 
     tool: Tool = var.part(Tool)
     line: LineRequest = var.part(

@@ -43,10 +43,10 @@ def decide_cut(
     return CutDecision.STOP_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP
 
 
-def cut_of_start(cut: float, carriage: Carriage, master: Master, now: float, distance: float) -> float:
+def cut_of_start(cut: float, carriage: Carriage, master: Master, distance: float) -> float:
     """The position of the cut to which an approach over a distance starts now; `cut` is any one near it."""
     start = (carriage.homing.end - distance) / carriage.machine.coupling
-    return cut + (master.distance_beyond(cut, now) - start)
+    return cut + (master.distance_beyond(cut, master.path.now) - start)
 
 
 def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
@@ -55,7 +55,7 @@ def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
 
 
 def skip_late_cuts(
-    material: Material, statistics: Statistics, carriage: Carriage, master: Master, now: float, distance: float
+    material: Material, statistics: Statistics, carriage: Carriage, master: Master, distance: float
 ) -> None:
     """Leave out the next cut, and all others that are beyond where an approach over a distance starts."""
     k = carriage.machine.coupling
@@ -64,11 +64,11 @@ def skip_late_cuts(
         for _ in range(material.marks.waiting):
             material.skip_mark(statistics)
             if material.marks.waiting > 0:
-                beyond_cut = master.distance_beyond(material.marks.position(0), now)
+                beyond_cut = master.distance_beyond(material.marks.position(0), master.path.now)
                 if k * beyond_cut <= carriage.homing.end - distance * IN_TIME:
                     break
         material.merge_to_next_mark()
     else:
-        beyond_cut = master.distance_beyond(material.piece.end, now)
+        beyond_cut = master.distance_beyond(material.piece.end, master.path.now)
         number = max(1.0, -floor(WHOLE - (k * beyond_cut - start) / (k * material.piece.pitch)))
         material.skip_pitches(number, statistics)

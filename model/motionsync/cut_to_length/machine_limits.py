@@ -119,26 +119,29 @@ def return_way(velocity: float, peak: float, turn: float, stop: float) -> float:
     return 0.5 * (peak - velocity) * turn + 0.5 * peak * stop
 
 
-def return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+def return_time(machine: Machine, velocity: float, distance: float, up: float) -> float:
     """T_r: time-optimal way home, in s, over `distance` >= 0, from the velocity V >= 0 that leads away from home.
 
-    `up` limits the acceleration while the carriage reverses and speeds up, `down` while it stops, `speed` its
-    velocity. Where the peak G(speed) leaves a rest of the way, it is covered at `speed`."""
-    turn = change_time(velocity + speed, up, jerk)
-    stop = change_time(speed, down, jerk)
+    `up` limits the acceleration while the carriage reverses and speeds up. Where the peak G(speed) leaves a rest of the
+    way, it is covered at the speed of homing."""
+    speed = machine.homing_velocity
+    turn = change_time(velocity + speed, up, machine.homing_jerk)
+    stop = change_time(speed, machine.homing_deceleration, machine.homing_jerk)
     cruise = distance - return_way(velocity, speed, turn, stop)
     if cruise < 0.0:
-        return short_return_time(velocity, distance, up, down, jerk, speed)
+        return short_return_time(machine, velocity, distance, up)
     return turn + stop + cruise / speed
 
 
-def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
-    """T_r where the way is too short for `speed`: G(speed) > distance. Its peak is the w with G(w) = distance.
+def short_return_time(machine: Machine, velocity: float, distance: float, up: float) -> float:
+    """T_r where the way is too short for the speed of homing. Its peak is the w with G(w) = distance.
 
     Newton's method: G is convex and rises, so the first step leads beyond the solution, if not to it, and no later one
     passes it. It starts at the solution for changes of velocity that reach their acceleration, R(x) = x/a + a/j: there
     G(w) - distance = (A w2 + B w - C)/2. Each step doubles the digits. After a small one the times are those at its
     begin, changed by their rates."""
+    down = machine.homing_deceleration
+    jerk = machine.homing_jerk
     turn_ramp = up / jerk
     stop_ramp = down / jerk
     ramps = turn_ramp + stop_ramp  # B
@@ -155,7 +158,7 @@ def short_return_time(velocity: float, distance: float, up: float, down: float, 
         step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
         if abs(step) <= CONVERGED * peak:
             return turn + stop - (turn_rate + stop_rate) * step
-        peak = min(peak - step, speed)
+        peak = min(peak - step, machine.homing_velocity)
     return turn + stop
 
 
@@ -173,8 +176,7 @@ def cycle(machine: Machine, velocity: float) -> tuple[float, float, float]:
     """T_c, D and the stroke: `cycle_time`, `approach_distance` and `stroke` at a line velocity v > 0."""
     carriage = machine.coupling * velocity
     travel, distance, tool = way_out(machine, velocity)
-    up = turning_acceleration(machine)
-    home = return_time(carriage, travel, up, machine.homing_deceleration, machine.homing_jerk, machine.homing_velocity)
+    home = return_time(machine, carriage, travel, turning_acceleration(machine))
     sync = tool + gap_time(machine, carriage)
     time = 2.0 * distance / carriage + sync + home + machine.homing_settle_time
     return time, distance, travel + overshoot(machine, carriage)

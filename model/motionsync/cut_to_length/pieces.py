@@ -1,23 +1,14 @@
 """The pieces of the machine: fixed, and changed while they are in progress."""
 
-from ..cutting.faults import PieceFault
 from ..cutting.interface import PieceKind
 from ..cutting.material import Material
 from ..cutting.operation import Operation
 from ..cutting.piece import UNLIMITED
-from ..cutting.pieces import can_change_pieces
+from ..cutting.pieces import can_change_pieces, fix_piece
 from ..master import Master
 from .carriage import Carriage, Stage
 from .interface import CutToLengthInterface
 from .machine_limits import lead
-
-
-def fix_piece(block: CutToLengthInterface, operation: Operation, material: Material) -> None:
-    """Fix the piece that starts at the last cut, if the settings are valid."""
-    if material.settings.has_piece(block):
-        material.fix_piece()
-    else:
-        operation.pieces.fault = PieceFault.TUNABLE
 
 
 def update_piece(block: CutToLengthInterface, operation: Operation, material: Material, carriage: Carriage) -> None:
@@ -26,10 +17,7 @@ def update_piece(block: CutToLengthInterface, operation: Operation, material: Ma
     if not block.running:
         block.warning.change_pending = False
     elif not piece.is_fixed:
-        if material.settings.has_piece(block):
-            material.fix_open_piece()
-        else:
-            operation.pieces.fault = PieceFault.TUNABLE
+        fix_piece(operation, material, material.settings.has_piece(block), True)
     elif not can_change_pieces(material):
         block.warning.change_pending = False
     elif piece.kind == PieceKind.PRODUCT:

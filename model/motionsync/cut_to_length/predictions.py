@@ -85,10 +85,8 @@ class Predictions:
             self.limit.solve(machine, pitch_orders)
         block.limits.max_line_velocity_orders = self.limit.max_line_velocity
 
-    def is_far_from_start(
-        self, block: CutToLengthInterface, carriage: Carriage, cut: float, now: float, until: float
-    ) -> bool:
-        """Whether no start can be due between two times since the step's beginning: then no search for one is needed.
+    def is_far_from_start(self, block: CutToLengthInterface, carriage: Carriage, cut: float) -> bool:
+        """Whether no start can be due on what is left of the section: then no search for one is needed.
 
         The approach to the cut is no longer than predicted on a line no faster than then, and else than that of a
         faster line."""
@@ -100,7 +98,5 @@ class Predictions:
         distance = block.local.approach_distance
         if not self.is_current or fastest > self.velocity:
             distance = approach_distance(machine, fastest + FASTER * (abs(begin) + abs(end)))
-        beyond_cut = master.distance_beyond(cut, now)
-        if until > now:
-            beyond_cut = max(beyond_cut, master.distance_beyond(cut, until))
+        beyond_cut = max(master.distance_beyond(cut, master.path.now), master.distance_beyond(cut, master.path.until))
         return machine.coupling * beyond_cut < carriage.homing.end - distance

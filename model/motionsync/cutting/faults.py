@@ -34,7 +34,7 @@ class Contradiction(Enumeration):
 
     # A machine has further ones, with numbers of its own: from 1003 on.
     NONE = 0, "none"
-    MARK_WINDOW = 1001, *MARK_WINDOW
+    WINDOWS_MEET = 1001, *MARK_WINDOW
     FACTOR = 1002, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
 
 

@@ -57,14 +57,12 @@ def show_marks(block: CuttingInterface, warning: CuttingWarnings, local: Cutting
         local.refused_mark = wrap(material.refused_mark, block.master.period)
 
 
-def show_skipped_cut(
-    local: CuttingLocal, reason: int, master: Master, cut: float, now: float, missing_distance: float
-) -> None:
-    """The next cut, at this position of the master, is skipped at a time since the step's beginning, s."""
+def show_skipped_cut(local: CuttingLocal, reason: int, master: Master, cut: float, missing_distance: float) -> None:
+    """The next cut, at this position of the master, is skipped now."""
     local.skip_reason = reason
     local.skipped_cut = wrap(cut, master.period)
     local.missing_distance = missing_distance
-    local.line_velocity = master.velocity_at(now)
+    local.line_velocity = master.present_velocity()
 
 
 def show_warnings(

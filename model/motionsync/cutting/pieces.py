@@ -1,14 +1,28 @@
 """The pieces of a machine: whether one in progress has to be changed, and its record when it has been cut."""
 
 from ..master import Master
+from .faults import PieceFault
 from .interface import ChangeMode, CuttingInterface, Source
 from .material import Material
+from .operation import Operation
 from .records import PieceRecords, increased
 
 
 def can_change_pieces(material: Material) -> bool:
     """Whether a product in progress takes a new length."""
     return material.demand.source == Source.LENGTH and material.settings.piece.change_mode == ChangeMode.THIS_PIECE
+
+
+def fix_piece(operation: Operation, material: Material, can_fix: bool, is_open: bool) -> None:
+    """Fix the piece that starts at the last cut, if there is a length; `is_open`: there was none so far.
+
+    `can_fix`: all is valid that a piece is fixed with."""
+    if not can_fix:
+        operation.pieces.fault = PieceFault.TUNABLE
+    elif is_open:
+        material.fix_open_piece()
+    else:
+        material.fix_piece()
 
 
 def record_piece(

@@ -62,7 +62,7 @@ def contradiction(block: CuttingInterface) -> Contradiction:
     """Which parameters contradict one another; each is within its range."""
     if not is_factor_usable(block):
         return Contradiction.FACTOR
-    return Contradiction.NONE if has_narrow_window(block.mark) else Contradiction.MARK_WINDOW
+    return Contradiction.NONE if has_narrow_window(block.mark) else Contradiction.WINDOWS_MEET
 
 
 def is_factor_usable(block: CuttingInterface) -> bool:

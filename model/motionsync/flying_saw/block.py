@@ -6,6 +6,7 @@ Source: TwinCAT's universal flying saw (TS5055) and PLCopen's function blocks. S
 from dataclasses import dataclass
 
 from .. import var
+from ..master_path import MOST_EVENTS
 from ..motion.exceeded_limit import ExceededLimit, Limit
 from ..motion.jerk_limited import Motion
 from ..numerics.computable_range import clamp
@@ -29,7 +30,6 @@ SAME_PLACE = 1e-15  # of the master's position: a smaller distance is rounding
 PROFILE_END = 1e-9  # of a profile's master travel: closer to its end it is over
 NO_HALT = 1e-12  # of the velocity limit: a slave that is slower than that rests at once
 SMALLEST_DIVISOR = 1e-300  # u or u/s: the reciprocal of a divisor that is not smaller is finite
-MOST_EVENTS = 8  # in a section of the master's path; three at most are possible
 
 
 @dataclass(slots=True)
@@ -74,8 +74,6 @@ class FlyingSaw(FlyingSawInterface):
     per_nominal_velocity: float = 1.0  # reciprocal of the profile's nominal master velocity
     per_travel: float = 0.0  # reciprocal of the profile's master travel
     halt_time: float = 0.0  # from the halt's beginning to the step's; a halt is too short for this sum to need a Clock
-    reached_position: float = 0.0  # of the master: up to it all events of this step are carried out
-    part_end_time: float = 0.0  # when the present part of a section ends, since the step's beginning
     plan: ProfilePlan = var.part(ProfilePlan)  # the last one made
     planned_exceeded: ExceededLimit = var.part(ExceededLimit)  # by the motion under way, as it was planned
     present_exceeded: ExceededLimit = var.part(ExceededLimit)  # by the setpoint
@@ -87,7 +85,7 @@ class FlyingSaw(FlyingSawInterface):
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.cosine = cosine(self.diagonal_angle)
-        self.motion.run_at(self.axis.initial_position, self.axis.initial_velocity)
+        self.motion.start(self.axis.initial_position, self.axis.initial_velocity, 0.0)
         take_execute_levels(self)
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.planned_exceeded.clear()
@@ -100,10 +98,10 @@ class FlyingSaw(FlyingSawInterface):
         before = self.slave.position
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
-        self.travel(0)
-        self.obey()
-        for section in range(1, self.master.path.sections):
+        for section in range(self.master.path.sections):
             self.travel(section)
+            if section == 0:
+                self.obey()
         self.motion.advance(h)
         self.halt_time += h
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
@@ -265,10 +263,17 @@ class FlyingSaw(FlyingSawInterface):
         else:
             self.enter_profile()
 
-    def start_pending(self, time: float) -> None:
-        """The master passes the start: plan the waiting command from the present state.
+    def try_start_pending(self) -> bool:
+        """The master passes the start, if the section is divided there: plan the waiting command from the present
+        state.
 
         If that is refused, a motion of the slave's own goes on, and a coupled slave runs on at its velocity."""
+        path = self.master.path
+        if not self.waiting or path.end == path.positions[path.section + 1]:
+            return False
+        time = path.until
+        path.enter(path.section)
+        path.reached = self.start_position
         request = self.pending_request
         velocity = self.master.velocity_at(time)
         self.set_plan_start(request, time, self.start_position, velocity, self.master.end_acceleration)
@@ -282,6 +287,7 @@ class FlyingSaw(FlyingSawInterface):
             if self.is_coupled():
                 self.run_on()
                 self.motion.clock.start(time)
+        return True
 
     def couple_again(self, time: float) -> None:
         """The master passes the coupling position forwards again: plan anew from the present state."""
@@ -298,7 +304,7 @@ class FlyingSaw(FlyingSawInterface):
     def run_on(self) -> None:
         """Uncouple: the slave runs on from the state in `slave`, without acceleration."""
         self.motion_request.start.set(self.slave.position, self.slave.velocity, 0.0)
-        self.motion.run_at(self.slave.position, self.slave.velocity)
+        self.motion.start(self.slave.position, self.slave.velocity, 0.0)
         self.enter_continuous_motion()
 
     def update_time_based(self, time: float) -> None:
@@ -307,16 +313,14 @@ class FlyingSaw(FlyingSawInterface):
         self.candidate.set_target(self.active_request, self.master.velocity_at(time), self.master.mean_acceleration())
         if not self.candidate.continues(self.active_request, self.time_based, self.motion.clock.time + time):
             self.set_slave_at(time, self.coupling_position, 0.0, 0.0)
-            if self.motion.is_over(self.motion.clock.time + time):
+            if self.motion.is_over(time):
                 self.planned_exceeded.clear()
             var.copy(self.time_based, self.candidate)
             self.plan_time_based(time)
 
     def plan_time_based(self, time: float) -> None:
         """Plan the motion to the time-based target from the state in `slave`, which belongs to that time."""
-        self.time_based.plan(
-            self.active_request, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration
-        )
+        self.time_based.plan(self.active_request, self.motion, self.slave)
         self.motion.clock.start(time)
 
     # --- entering a stage ---
@@ -372,10 +376,10 @@ class FlyingSaw(FlyingSawInterface):
         self.stage = Stage.IN_SYNC
         self.report_sync(Phase.REACHED)
 
-    def enter_parked(self, section: int) -> None:
+    def enter_parked(self) -> None:
         """The master passes the coupling position backwards: to rest at once, or along the ramp of gear_in_velo."""
         position = self.parking_position()
-        time = self.master.path.crossing_time(section, position)
+        time = self.master.path.crossing_time(position)
         self.set_slave_at(time, position, self.master.velocity_at(time), self.master.end_acceleration)
         self.profile.start(ProfileKind.NONE, self.slave.position)
         self.planned_exceeded.clear()
@@ -391,7 +395,7 @@ class FlyingSaw(FlyingSawInterface):
                 self.plan.extremes.measure(self.profile)
                 self.plan.extremes.check_limits(self.axis, self.planned_exceeded)
         self.halt_time = -time
-        self.reached_position = position
+        self.master.path.reached = position
         self.stage = Stage.PARKED
         self.report_sync(Phase.BUSY)
 
@@ -401,59 +405,40 @@ class FlyingSaw(FlyingSawInterface):
         """Follow a section of the master's path, which is divided where a waiting command starts.
 
         Section 0, the input correction, takes no time, so no event that depends on time occurs there."""
-        begin = self.master.path.positions[section]
-        end = self.master.path.positions[section + 1]
-        end_time = self.master.path.times[section + 1]
-        if self.waiting and (end - self.start_position) * self.start_direction > 0.0:
-            time = self.master.path.crossing_time(section, self.start_position)
-            self.travel_part(section, begin, self.start_position, time)
-            self.start_pending(time)
-            self.travel_part(section, self.start_position, end, end_time)
-        else:
-            self.travel_part(section, begin, end, end_time)
-
-    def travel_part(self, section: int, begin: float, end: float, end_time: float) -> None:
-        """Go along a part of a section, which ends at `end_time`, s since the step's beginning: one event after the
-        other."""
-        self.reached_position = begin
-        self.part_end_time = end_time
+        path = self.master.path
+        path.enter(section)
+        if self.waiting and (path.end - self.start_position) * self.start_direction > 0.0:
+            path.end_at(self.start_position)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(section, end):
+            if not (self.try_event() or self.try_start_pending()):
                 break
 
-    def try_event(self, section: int, end: float) -> bool:
-        """Carry out the next event of the stage up to the master position `end`; whether there was one."""
-        happened = False
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.stage:
-            case Stage.CONTINUOUS_MOTION:
-                happened = self.try_event_continuous_motion(section)
-            case Stage.DISCRETE_MOTION:
-                happened = self.try_event_discrete_motion(section)
+            case Stage.CONTINUOUS_MOTION | Stage.DISCRETE_MOTION:
+                return self.try_event_own_motion()
             case Stage.PROFILE:
-                happened = self.try_event_profile(section, end)
+                return self.try_event_profile()
             case Stage.TIME_BASED:
-                happened = self.try_event_time_based(section, end)
+                return self.try_event_time_based()
             case Stage.IN_SYNC:
-                happened = self.try_event_in_sync(section, end)
+                return self.try_event_in_sync()
             case Stage.PARKED:
-                happened = self.try_event_parked(section, end)
+                return self.try_event_parked()
             case _:  # UNCOUPLED_HALT ends by a command only
-                pass
-        return happened
+                return False
 
-    def try_event_continuous_motion(self, section: int) -> bool:
-        """The velocity of move_velocity is reached."""
-        if section == 0 or self.owner != Owner.MOVE_VELOCITY or self.move_velocity.phase != Phase.BUSY:
+    def try_event_own_motion(self) -> bool:
+        """The motion is at its velocity, or has ended, and the owner's command with it."""
+        path = self.master.path
+        if path.is_correction() or not self.motion.is_over(path.until):
             return False
-        if not self.motion.is_over(self.motion.clock.time + self.part_end_time):
-            return False
-        self.move_velocity.report(Phase.REACHED)
-        return True
-
-    def try_event_discrete_motion(self, section: int) -> bool:
-        """The motion has ended, and the owner's command with it."""
-        if section == 0 or not self.motion.is_over(self.motion.clock.time + self.part_end_time):
-            return False
+        if self.stage == Stage.CONTINUOUS_MOTION:
+            if self.owner != Owner.MOVE_VELOCITY or self.move_velocity.phase != Phase.BUSY:
+                return False
+            self.move_velocity.report(Phase.REACHED)
+            return True
         if self.owner not in (Owner.HALT, Owner.STOP, Owner.MOVE_ABSOLUTE):
             return False
         report_phase(self, self.owner, Phase.REACHED)
@@ -462,36 +447,38 @@ class FlyingSaw(FlyingSawInterface):
         self.owner = Owner.NOBODY
         return True
 
-    def try_event_profile(self, section: int, end: float) -> bool:
+    def try_event_profile(self) -> bool:
         """The profile ends at the sync position; a master that turns back may leave it at the coupling position."""
+        path = self.master.path
         distance = abs(self.master_sync - self.coupling_position)
-        if (end - self.master_sync) * self.direction >= -PROFILE_END * distance:
-            self.reached_position = self.master_sync
+        if (path.end - self.master_sync) * self.direction >= -PROFILE_END * distance:
+            path.reached = self.master_sync
             self.enter_in_sync()
             return True
-        if self.is_behind_coupling(end):
-            self.enter_parked(section)
+        if self.is_behind_coupling(path.end):
+            self.enter_parked()
             return True
         return False
 
-    def try_event_time_based(self, section: int, end: float) -> bool:
+    def try_event_time_based(self) -> bool:
         """The motion in time goes on up to the section's end, or until a master that turns back passes the coupling
         position, if sync_mode says that the slave rests then. Section 0 shows how the master moves now."""
+        path = self.master.path
         mode = self.active_request.mode
-        parks = (mode.rollback_lock or mode.instant_stop_on_rollback) and self.is_behind_coupling(end)
-        if section == 0 and not parks:
+        parks = (mode.rollback_lock or mode.instant_stop_on_rollback) and self.is_behind_coupling(path.end)
+        if path.is_correction() and not parks:
             self.update_time_based(0.0)
-        last = self.master.path.crossing_time(section, self.parking_position()) if parks else self.part_end_time
-        if section > 0 and self.try_meet_target(last):
+        last = path.crossing_time(self.parking_position()) if parks else path.until
+        if not path.is_correction() and self.try_meet_target(last):
             return True
         if parks:
-            self.enter_parked(section)
+            self.enter_parked()
         return parks
 
     def try_meet_target(self, last: float) -> bool:
         """Up to the time `last` the velocities meet, or the target reaches its limit or leaves it."""
-        meeting = min(self.motion.end_time() - self.motion.clock.time, last)
-        over = self.motion.is_over(self.motion.clock.time + last)
+        meeting = min(self.motion.time_left(), last)
+        over = self.motion.is_over(last)
         meets = over and self.time_based.reachable and not self.time_based.at_limit
         limit = self.time_based.time_to_limit(
             self.active_request, self.master.velocity_at(self.compared_at), self.master.mean_acceleration()
@@ -502,7 +489,7 @@ class FlyingSaw(FlyingSawInterface):
             self.set_slave_at(meeting, self.coupling_position, 0.0, 0.0)
             self.slave_sync = self.slave.position
             self.master_sync = self.master.path.position(meeting)
-            self.reached_position = self.master_sync
+            self.master.path.reached = self.master_sync
             self.enter_in_sync()
             return True
         if 0.0 <= limit <= last:
@@ -510,27 +497,29 @@ class FlyingSaw(FlyingSawInterface):
             return True
         return False
 
-    def try_event_in_sync(self, section: int, end: float) -> bool:
+    def try_event_in_sync(self) -> bool:
         """The backstop parks the slave where the master passes the coupling position backwards.
 
         A coupling to a master at rest takes its direction from the master's first motion, which is no event."""
+        end = self.master.path.end
         if self.direction == 0.0:
             if abs(end - self.coupling_position) > SAME_PLACE * (abs(end) + abs(self.coupling_position)):
                 self.direction = 1.0 if end > self.coupling_position else -1.0
             return False
-        passed = self.is_behind_coupling(end) and not self.is_behind_coupling(self.reached_position)
+        passed = self.is_behind_coupling(end) and not self.is_behind_coupling(self.master.path.reached)
         if self.active_request.mode.rollback_lock and passed:
-            self.enter_parked(section)
+            self.enter_parked()
             return True
         return False
 
-    def try_event_parked(self, section: int, end: float) -> bool:
+    def try_event_parked(self) -> bool:
         """The master passes the coupling position forwards; a waiting command keeps the slave parked."""
-        is_against = self.master.goes_against(self.direction, section, end - self.reached_position)
-        if self.waiting or is_against or self.distance_beyond_coupling(end) <= 0.0:
+        path = self.master.path
+        is_against = self.master.goes_against(self.direction)
+        if self.waiting or is_against or self.distance_beyond_coupling(path.end) <= 0.0:
             return False
-        self.reached_position = self.coupling_position
-        self.couple_again(self.master.path.crossing_time(section, self.coupling_position))
+        path.reached = self.coupling_position
+        self.couple_again(path.crossing_time(self.coupling_position))
         return True
 
     def parking_position(self) -> float:
@@ -567,7 +556,7 @@ class FlyingSaw(FlyingSawInterface):
                 position, v, a, j = self.profile.at_or_at_rest(self.halt_time + time)
                 self.slave.set(position, v, a, j)
             case _:
-                position, v, a, j = self.motion.at(self.motion.clock.time + time)
+                position, v, a, j = self.motion.at(time)
                 self.slave.set(position, v, a, j)
 
     def set_slave_at_begin(self) -> None:
@@ -580,7 +569,7 @@ class FlyingSaw(FlyingSawInterface):
         """Whether the motion under way has reached the end of its plan, after the step's time."""
         match self.stage:
             case Stage.CONTINUOUS_MOTION | Stage.DISCRETE_MOTION | Stage.TIME_BASED:
-                return self.motion.is_over(self.motion.clock.time)
+                return self.motion.is_over(0.0)
             case Stage.PARKED | Stage.UNCOUPLED_HALT:
                 return self.profile.segments > 0 and self.halt_time >= self.profile.duration()
             case _:

@@ -26,7 +26,8 @@ class ConstantVelocity:
         duration, distance, velocity, end: T (s), the distance (u), v and v_e (u/s), which are set before.
         acceleration, deceleration, jerk: the limits, set before; a jerk of 0 is not limited.
         cruise, rise, fall: c, T_a and T_b, the results.
-        rise_limit, fall_limit: the acceleration limits of the ramps to and from c in the present range.
+        side, near, far: the present range: c is on this side of zero, 1 or -1, from `near` to `far` away from it.
+        rise_limit, fall_limit: the acceleration limits of the ramps to and from c in that range.
         cuts, cut_count: the ends of the intervals in the present range, in rising order, as distances from zero.
     """
 
@@ -40,6 +41,9 @@ class ConstantVelocity:
     cruise: float = 0.0
     rise: float = 0.0
     fall: float = 0.0
+    side: float = 1.0
+    near: float = 0.0
+    far: float = 0.0
     rise_limit: float = 0.0
     fall_limit: float = 0.0
     cuts: list[float] = var.ring(16)
@@ -52,47 +56,46 @@ class ConstantVelocity:
 
     def try_on_side(self, side: float) -> bool:
         """Find c on one side of zero, from zero outwards, in the three ranges that |v| and |v_e| divide it into."""
+        self.side = side
         first = max(min(side * self.velocity, side * self.end), 0.0)
         second = max(side * self.velocity, side * self.end, 0.0)
         steepest = max(self.acceleration, self.deceleration)
         far = second + MEAN_ACCELERATION * steepest * self.duration
-        return (
-            self.try_in_range(side, 0.0, first)
-            or self.try_in_range(side, first, second)
-            or self.try_in_range(side, second, far)
-        )
+        return self.try_in_range(0.0, first) or self.try_in_range(first, second) or self.try_in_range(second, far)
 
-    def try_in_range(self, side: float, near: float, far: float) -> bool:
+    def try_in_range(self, near: float, far: float) -> bool:
         """Find c in a range in which the same limits hold; `near` and `far` are its ends' distances from zero."""
         if not near < far < inf:
             return False
-        inside = side * middle(near, far)
+        self.near = near
+        self.far = far
+        inside = self.side * middle(near, far)
         self.rise_limit = acceleration_limit(self.velocity, inside, self.acceleration, self.deceleration)
         self.fall_limit = acceleration_limit(inside, self.end, self.acceleration, self.deceleration)
         self.cut_count = 0
-        self.add_cut(near, near, far)
-        self.add_cuts_of_ramp(self.velocity, self.rise_limit, self.fall_limit, side, near, far)
-        self.add_cuts_of_ramp(self.end, self.fall_limit, self.rise_limit, side, near, far)
-        self.add_cut(side * middle(self.velocity, self.end), near, far)
-        self.add_cut(far, near, far)
+        self.add_cut(near)
+        self.add_cuts_of_ramp(self.velocity, self.rise_limit, self.fall_limit)
+        self.add_cuts_of_ramp(self.end, self.fall_limit, self.rise_limit)
+        self.add_cut(self.side * middle(self.velocity, self.end))
+        self.add_cut(far)
         is_solved = False
         for i in range(self.cut_count - 1):
-            is_solved = is_solved or self.try_in_interval(side, self.cuts[i], self.cuts[i + 1])
+            is_solved = is_solved or self.try_in_interval(self.cuts[i], self.cuts[i + 1])
         return is_solved
 
-    def add_cuts_of_ramp(self, start: float, limit: float, other: float, side: float, near: float, far: float) -> None:
+    def add_cuts_of_ramp(self, start: float, limit: float, other: float) -> None:
         """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit A,
         |dv| = 8 A^2 / (3 J), and where its duration, limited by jerk, changes with c as fast as the other ramp's,
         limited by acceleration A', |dv| = 2 A'^2 / (3 J)."""
         if self.jerk > 0.0:
             for sign in range(2):
                 direction = 1.0 if sign == 1 else -1.0
-                self.add_cut(side * (start + direction * 8.0 * limit * limit / (3.0 * self.jerk)), near, far)
-                self.add_cut(side * (start + direction * 2.0 * other * other / (3.0 * self.jerk)), near, far)
+                self.add_cut(self.side * (start + direction * 8.0 * limit * limit / (3.0 * self.jerk)))
+                self.add_cut(self.side * (start + direction * 2.0 * other * other / (3.0 * self.jerk)))
 
-    def add_cut(self, at: float, near: float, far: float) -> None:
+    def add_cut(self, at: float) -> None:
         """Insert a cut in rising order, if it is in the range."""
-        if near <= at <= far:
+        if self.near <= at <= self.far:
             i = self.cut_count
             while i > 0 and self.cuts[i - 1] > at:
                 self.cuts[i] = self.cuts[i - 1]
@@ -100,8 +103,9 @@ class ConstantVelocity:
             self.cuts[i] = at
             self.cut_count += 1
 
-    def try_in_interval(self, side: float, near: float, far: float) -> bool:
+    def try_in_interval(self, near: float, far: float) -> bool:
         """Find c between two cuts, where T_a + T_b is monotone: first the part in which it fits into T, then c."""
+        side = self.side
         fits_near = self.fits(side * near)
         fits_far = self.fits(side * far)
         if not fits_near and not fits_far:

@@ -1,8 +1,7 @@
-"""All variables of the FlyingSaw in the order in which the FMU shows them, and the enumerations that it shows.
+"""All variables of the FlyingSaw, and the enumerations that it shows.
 
-What is wired comes first: the master, the commands, the slave and the block's status. Then come what is set once for a
-machine and what is watched. The parts with variables of their own are in `saw_master`, `slave`, `axis_limits`,
-`sync_mode`, `commands` and `characteristics`.
+The parts with variables of their own are in `saw_master`, `slave`, `axis_limits`, `sync_mode`, `commands` and
+`characteristics`.
 """
 
 from dataclasses import dataclass

@@ -64,36 +64,23 @@ class MotionRequest:
             return Fault.MIN_POSITION
         return Fault.MAX_POSITION if self.position > axis.max_position else Fault.NONE
 
-    def set_start(self, slave: Slave, axis: AxisLimits) -> None:
+    def start_motion(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
         """The motion starts from the slave's state, as far as the axis could have had it."""
         start = self.start
         start.set(slave.position, slave.velocity, slave.acceleration)
         start.limit_acceleration(axis.max_velocity, axis.max_acceleration, axis.deceleration())
         start.limit_way(axis.min_position, axis.max_position, axis.max_velocity, self.deceleration, self.jerk)
+        motion.start(start.position, start.velocity, start.acceleration)
 
     def plan_halt(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
-        self.set_start(slave, axis)
-        start = self.start
-        motion.halt(start.position, start.velocity, start.acceleration, self.deceleration, self.jerk)
+        self.start_motion(motion, slave, axis)
+        motion.halt(self.deceleration, self.jerk)
 
     def plan_move_velocity(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
-        self.set_start(slave, axis)
-        start = self.start
-        limit = acceleration_limit(start.velocity, self.velocity, self.acceleration, self.deceleration)
-        motion.try_change(
-            start.position, start.velocity, start.acceleration, self.velocity, 0.0, -limit, limit, self.jerk
-        )
+        self.start_motion(motion, slave, axis)
+        limit = acceleration_limit(self.start.velocity, self.velocity, self.acceleration, self.deceleration)
+        motion.try_change(self.velocity, 0.0, -limit, limit, self.jerk)
 
     def plan_move_absolute(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
-        self.set_start(slave, axis)
-        start = self.start
-        motion.move(
-            start.position,
-            start.velocity,
-            start.acceleration,
-            self.position,
-            self.velocity,
-            self.acceleration,
-            self.deceleration,
-            self.jerk,
-        )
+        self.start_motion(motion, slave, axis)
+        motion.move(self.position, self.velocity, self.acceleration, self.deceleration, self.jerk)

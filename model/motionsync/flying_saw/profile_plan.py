@@ -132,9 +132,8 @@ class ProfilePlan:
         if self.slave.acceleration == 0.0 and velocity == self.end_velocity:
             return Fault.NONE
         limit = acceleration_limit(velocity, self.end_velocity, request.acceleration, request.deceleration)
-        self.nominal.try_change(
-            self.slave.position, velocity, self.slave.acceleration, self.end_velocity, 0.0, -limit, limit, request.jerk
-        )
+        self.nominal.start(self.slave.position, velocity, self.slave.acceleration)
+        self.nominal.try_change(self.end_velocity, 0.0, -limit, limit, request.jerk)
         self.profile.add_motion(self.nominal)
         return self.try_check_free_end(request)
 

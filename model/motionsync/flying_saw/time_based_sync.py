@@ -6,6 +6,7 @@ Source: TS5055, section 5 (GEARINSYNCMODE_TIMEBASED).
 from dataclasses import dataclass
 
 from ..motion.jerk_limited import Motion, acceleration_limit
+from ..slave import Slave
 from .gear_in_request import GearInRequest
 
 SAME_ACCELERATION = 1e-9  # of the acceleration limit: a smaller difference is rounding
@@ -45,14 +46,11 @@ class TimeBasedSync:
             self.target = limit if self.target > 0.0 else -limit
             self.acceleration = 0.0
 
-    def plan(
-        self, request: GearInRequest, motion: Motion, position: float, velocity: float, acceleration: float
-    ) -> None:
-        """Plan the slave's motion to the target from its present state (u, u/s, u/s2)."""
-        limit = acceleration_limit(velocity, self.target, request.acceleration, request.deceleration)
-        self.reachable = motion.try_change(
-            position, velocity, acceleration, self.target, self.acceleration, -limit, limit, request.jerk
-        )
+    def plan(self, request: GearInRequest, motion: Motion, slave: Slave) -> None:
+        """Plan the slave's motion to the target from its present state."""
+        motion.start(slave.position, slave.velocity, slave.acceleration)
+        limit = acceleration_limit(slave.velocity, self.target, request.acceleration, request.deceleration)
+        self.reachable = motion.try_change(self.target, self.acceleration, -limit, limit, request.jerk)
 
     def continues(self, request: GearInRequest, former: "TimeBasedSync", clock: float) -> bool:
         """Whether this target is the one that the former target has become at that time of its motion's clock, s."""

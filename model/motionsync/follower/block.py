@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..master import MasterInput, PathRefusal
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.jerk_limited import Motion
 from ..motion.laws import chain_rule
 from ..numerics.computable_range import LARGEST, clamp, is_usable
@@ -17,7 +18,6 @@ from .parameters import is_start_computable, parameter_fault
 from .stages import Stage, shown_state
 
 MOST_CYCLES = 1e6  # of the master: a step over more of them is refused
-MOST_EVENTS = 10000000  # in one section of the master's path; a cycle has no more than 8
 SAME_POSITION = 1e-12  # u, and of the positions: a slave that is no further away is already there
 REST_TOLERANCE = 1e-9  # u/s, u/s2: the slave of a master at rest has no more, by rounding
 
@@ -39,7 +39,6 @@ class Follower(FollowerInterface):
     stays_forward: bool = False  # stop_after_forward, as read at the commands of the last step
     sequence: CycleSequence = var.part(CycleSequence)
     motion: Motion = var.part(Motion)
-    reached: float = 0.0  # the master's position up to which the events of a section of its path are carried out
     slave_position: float = 0.0  # the slave's before it is wrapped into slave_cycle
 
     def initialize(self) -> Refusal:
@@ -75,11 +74,10 @@ class Follower(FollowerInterface):
         if not self.is_on_cam() and self.sequence.current.stage != Stage.TO_CYCLE:
             self.master.watch_travel()
         self.local.drop_reason = DropReason.NONE
-        self.travel(0)
-        self.sequence.current.record_input(self.master.begin)
-        self.obey()
-        for section in range(1, self.master.path.sections):
+        for section in range(self.master.path.sections):
             self.travel(section)
+            if section == 0:
+                self.obey()
         self.motion.advance(h)
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.check_limits()
@@ -93,6 +91,7 @@ class Follower(FollowerInterface):
         """Carry out the levels and the value of sync_master, then the edges in the order of their declaration."""
         self.read_levels()
         current = self.sequence.current
+        current.record_input(self.master.begin)
         if self.sync_master != self.sequence.meetings.last_value:
             self.sequence.meetings.record_new_value(self, self.master.begin)
             self.sequence.try_join(self, self.master.begin, 0.0)
@@ -154,14 +153,15 @@ class Follower(FollowerInterface):
         """Start the move to a position, or refuse it. A slave that is already there needs no limits."""
         begin = self.slave_position
         if abs(target - begin) <= SAME_POSITION * (1.0 + abs(target) + abs(begin)):
-            self.motion.run_at(target, 0.0)
+            self.motion.start(target, 0.0, 0.0)
         elif self.positioning.limits_usable() and abs(target) <= 2.0 * LARGEST and abs(begin) <= 2.0 * LARGEST:
             limits = self.positioning
             limit = limits.acceleration
             is_measured = self.master.is_measured()
             velocity = self.slave.velocity if is_measured else 0.0
             acceleration = self.slave.acceleration if is_measured else 0.0
-            self.motion.move(begin, velocity, acceleration, target, limits.velocity, limit, limit, limits.jerk)
+            self.motion.start(begin, velocity, acceleration)
+            self.motion.move(target, limits.velocity, limit, limit, limits.jerk)
         else:
             self.refuse_positioning()
             return False
@@ -186,87 +186,87 @@ class Follower(FollowerInterface):
 
     def travel(self, section: int) -> None:
         """Carry out the events in a section of the master's path; section 0 is the input correction."""
-        self.reached = self.master.path.positions[section]
-        end = self.master.path.positions[section + 1]
+        self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(section, end):
+            if not self.try_event():
                 break
 
-    def try_event(self, section: int, end: float) -> bool:
-        """Carry out the stage's next event before the section ends at `end`; False: nothing more happens in it."""
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.sequence.current.stage:
             case Stage.IDLE | Stage.BRAKING:  # commands alone end them
                 return False
             case Stage.TO_PARK:
-                return self.try_event_to_park(section, end)
+                return self.try_event_to_park()
             case Stage.TO_CYCLE:
-                return self.try_event_to_cycle(section, end)
+                return self.try_event_to_cycle()
             case Stage.WAITING:
-                return self.try_event_waiting(section, end)
+                return self.try_event_waiting()
             case Stage.WAITING_NEXT_CYCLE:
-                return self.try_event_waiting_next_cycle(section, end)
+                return self.try_event_waiting_next_cycle()
             case _:
-                return self.try_event_on_cam(section, end)
+                return self.try_event_on_cam()
 
-    def try_event_to_park(self, section: int, end: float) -> bool:
+    def try_event_to_park(self) -> bool:
         """The slave arrives at the park, whatever the master does."""
-        if not self.positioning_ends_in(section):
+        if not self.try_arrive():
             return False
-        self.go_to_arrival(section, end)
         self.sequence.current.rest_at(self.sequence.current.park)
         self.sequence.meetings.uses_value = False
         return True
 
-    def try_event_to_cycle(self, section: int, end: float) -> bool:
+    def try_event_to_cycle(self) -> bool:
         """The slave arrives in the cycle. A master that has moved before is an alarm."""
         current = self.sequence.current
+        end = self.master.path.end
         tolerance = current.backward_tolerance + self.master.uncertain_travel()
         if abs(end - current.highest) > tolerance:
             limit = current.highest + (tolerance if end > current.highest else -tolerance)
-            time = self.master.path.crossing_time(section, limit)
-            if not (self.positioning_ends_in(section) and self.arrival_time(section) <= time):
+            time = self.master.path.crossing_time(limit)
+            if self.arrival_time() > time:
                 self.alarm(Fault.MASTER_MOVED, time, limit)
                 return False
-        if not self.positioning_ends_in(section):
+        if not self.try_arrive():
             return False
-        self.go_to_arrival(section, end)
         current.enter_cycle(self.sequence.candidate.stage)
         self.sequence.meetings.uses_value = self.sequence.meetings.uses_value and not current.is_parked()
         return True
 
-    def try_event_waiting(self, section: int, end: float) -> bool:
+    def try_event_waiting(self) -> bool:
         """A cycle starts, or its start is missed; or no start can be computed, which is an alarm. Where the master goes
         back, the meeting is chosen again, and nothing starts."""
         current = self.sequence.current
-        is_falling = self.master.goes_against(1.0, section, end - self.reached)
-        position = end if is_falling else self.reached
+        path = self.master.path
+        is_falling = self.master.goes_against(1.0)
+        position = path.end if is_falling else path.reached
         if not is_start_computable(self):
-            self.alarm_at(parameter_fault(self, current.park), section, position)
+            self.alarm_at(parameter_fault(self, current.park), position)
             return True
-        if self.sequence.try_choose_meeting(self, section, position):
+        if self.sequence.try_choose_meeting(self, position):
             if not current.is_parked():
-                self.reached = position
+                path.reached = position
             return True
-        if is_falling or not (current.has_meeting and end >= current.start()):
+        if is_falling or not (current.has_meeting and path.end >= current.start()):
             return False
         start = current.start()
-        self.reached = max(self.reached, start)
-        fault = self.sequence.try_start_cycle(self, self.reached)
+        path.reached = max(path.reached, start)
+        fault = self.sequence.try_start_cycle(self, path.reached)
         if fault != Fault.NONE:
-            self.alarm_at(fault, section, start)
+            self.alarm_at(fault, start)
         return True
 
-    def try_event_waiting_next_cycle(self, section: int, end: float) -> bool:
+    def try_event_waiting_next_cycle(self) -> bool:
         """As WAITING; and the cycle whose start was missed is over, which is the last event of the section."""
-        if self.try_event_waiting(section, end):
+        if self.try_event_waiting():
             return True
-        if self.reached <= end and self.sequence.current.next_cycle_from <= end:
+        path = self.master.path
+        if path.reached <= path.end and self.sequence.current.next_cycle_from <= path.end:
             self.sequence.current.enter_waiting()
         return False
 
-    def try_event_on_cam(self, section: int, end: float) -> bool:
+    def try_event_on_cam(self) -> bool:
         """On the way: the end of the stage's cam section, or an alarm if the master goes back."""
-        if not self.try_end_cam_section(section, end):
+        if not self.try_end_cam_section():
             return False
         current = self.sequence.current
         match current.stage:
@@ -277,12 +277,12 @@ class Follower(FollowerInterface):
             case Stage.PAUSING:
                 current.speed_up(self.slave_cycle)
             case Stage.SYNCHRONIZED:
-                self.leave_synchronized(self.master.path.crossing_time(section, self.reached))
+                self.leave_synchronized(self.master.path.crossing_time(current.cam_section.end))
             case Stage.DECEL:
                 if self.stays_forward:
                     current.enter_holding()
                 else:
-                    current.return_home(self.reached, current.return_travel)
+                    current.return_home(current.cam_section.end, current.return_travel)
             case Stage.HOMING:
                 current.enter_waiting()
                 self.sequence.meetings.uses_value = False
@@ -292,37 +292,36 @@ class Follower(FollowerInterface):
 
     # --- what several stages have in common ---
 
-    def positioning_ends_in(self, section: int) -> bool:
-        """Whether a positioning ends in the section."""
-        return self.motion.is_over(self.motion.clock.time + self.master.path.times[section + 1])
+    def arrival_time(self) -> float:
+        """When a positioning ends, in s since the step's beginning; NEVER: not on what is left of the section."""
+        return self.master.path.due(self.motion.clock, self.motion.end_time())
 
-    def arrival_time(self, section: int) -> float:
-        """The time since the step's beginning at which a positioning ends, within the section."""
-        times = self.master.path.times
-        return clamp(self.motion.end_time() - self.motion.clock.time, times[section], times[section + 1])
+    def try_arrive(self) -> bool:
+        """The master reaches the position where a positioning ends, if that is on what is left of the section."""
+        path = self.master.path
+        arrival = self.arrival_time()
+        if arrival > path.now and arrival != NEVER:
+            position = path.end if arrival >= path.until else path.position(arrival)
+            path.reached = clamp(position, min(path.reached, path.end), max(path.reached, path.end))
+        return arrival != NEVER
 
-    def go_to_arrival(self, section: int, end: float) -> None:
-        """The master has reached the position where a positioning ends."""
-        arrival = self.arrival_time(section)
-        if arrival > self.master.path.times[section]:
-            position = end if arrival >= self.master.path.times[section + 1] else self.master.path.position(arrival)
-            self.reached = clamp(position, min(self.reached, end), max(self.reached, end))
-
-    def try_end_cam_section(self, section: int, end: float) -> bool:
+    def try_end_cam_section(self) -> bool:
         """Go to the end of the cam section; False: it is beyond the section. A master that goes back, not by noise, is
         an alarm; of mode POSITION_ONLY only the inputs are checked, since the path inside the step is a guess."""
         current = self.sequence.current
+        end = self.master.path.end
+        is_correction = self.master.path.is_correction()
         tolerance = current.backward_tolerance + self.master.uncertain_travel()
-        lowest = (current.highest_in_step if section > 0 else current.highest_input) - tolerance
-        is_guessed = section > 0 and self.master.input_mode == MasterInput.POSITION_ONLY
+        lowest = (current.highest_input if is_correction else current.highest_in_step) - tolerance
+        is_guessed = not is_correction and self.master.input_mode == MasterInput.POSITION_ONLY
         if end < lowest and not is_guessed:
-            self.alarm_at(Fault.MASTER_BACKWARDS, section, lowest)
+            self.alarm_at(Fault.MASTER_BACKWARDS, lowest)
             return False
         if end < current.cam_section.end:
             current.highest = max(current.highest, end)
             current.highest_in_step = max(current.highest_in_step, end)
             return False
-        self.reached = current.cam_section.end
+        self.master.path.reached = current.cam_section.end
         return True
 
     def leave_synchronized(self, time: float) -> None:
@@ -341,9 +340,9 @@ class Follower(FollowerInterface):
         if fault != Fault.NONE:
             self.brake(fault)
 
-    def alarm_at(self, fault: Fault, section: int, master: float) -> None:
-        """Brake where the master passes a position on a section of its path."""
-        self.alarm(fault, self.master.path.crossing_time(section, master), master)
+    def alarm_at(self, fault: Fault, master: float) -> None:
+        """Brake where the master passes a position on the section of its path."""
+        self.alarm(fault, self.master.path.crossing_time(master), master)
 
     def alarm(self, fault: Fault, time: float, master: float) -> None:
         """Brake at a time within the step, with the master at that position."""
@@ -357,7 +356,7 @@ class Follower(FollowerInterface):
         self.sequence.current.enter_braking()
         deceleration = self.max_acceleration if is_usable(self.max_acceleration) else self.positioning.acceleration
         if self.slave.velocity == 0.0 or not is_usable(deceleration):
-            self.motion.run_at(self.slave_position, 0.0)
+            self.motion.start(self.slave_position, 0.0, 0.0)
         else:
             self.motion.brake(self.slave_position, self.slave.velocity, deceleration)
 
@@ -370,7 +369,7 @@ class Follower(FollowerInterface):
             case Stage.IDLE | Stage.WAITING | Stage.WAITING_NEXT_CYCLE:
                 self.set_slave(current.park, 0.0, 0.0, 0.0)
             case Stage.TO_PARK | Stage.TO_CYCLE | Stage.BRAKING:
-                position, v, a, j = self.motion.at(self.motion.clock.time + time)
+                position, v, a, j = self.motion.at(time)
                 self.set_slave(position, v, a, j)
             case _:
                 self.set_slave_on_cam(master, velocity, acceleration)

@@ -66,11 +66,11 @@ class CycleSequence:
 
     # --- at the park ---
 
-    def try_choose_meeting(self, parameters: FollowerInterface, section: int, master: float) -> bool:
+    def try_choose_meeting(self, parameters: FollowerInterface, master: float) -> bool:
         """Choose the meeting to wait for, with the master at that position. True: something else has happened, the
         slave has left the park to join a late meeting or has missed the start to one."""
         if parameters.variable_cycle:
-            return self.try_choose_value(parameters, section, master)
+            return self.try_choose_value(parameters, master)
         return self.try_choose_next_meeting(parameters, master)
 
     def approach_travel(self, parameters: FollowerInterface) -> float:
@@ -94,7 +94,7 @@ class CycleSequence:
         self.current.set_meeting(parameters, self.meetings.first_from(parameters, earliest), approach)
         return present < soonest and self.try_miss_start(parameters, master, self.current.start())
 
-    def try_choose_value(self, parameters: FollowerInterface, section: int, master: float) -> bool:
+    def try_choose_value(self, parameters: FollowerInterface, master: float) -> bool:
         """Variable cycle: choose the new value, unless its start is behind the master."""
         self.current.has_meeting = False
         if not self.meetings.has_new_value or self.try_drop_value(parameters):
@@ -104,7 +104,7 @@ class CycleSequence:
         if meeting - approach >= master - POSITION_TOLERANCE * parameters.master_cycle:
             self.current.set_meeting(parameters, meeting, approach)
             return False
-        if not self.try_join(parameters, master, parameters.master.path.crossing_time(section, master)):
+        if not self.try_join(parameters, master, parameters.master.path.crossing_time(master)):
             if parameters.local.drop_reason == DropReason.NONE:
                 parameters.local.drop_reason = DropReason.MISSED
             self.meetings.has_new_value = False

@@ -3,18 +3,16 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..numerics.computable_range import clamp
+from ..master_path import MOST_EVENTS, NEVER
 from ..numerics.grid import wrap
 from ..slave import Edge
 from .faults import Fault, Refusal
 from .interface import GearingInterface, State
 from .line import direction_of
 from .manoeuvre import Manoeuvre
-from .master_point import direction_in, is_same_position
+from .master_motion import direction_in, is_motion, is_same_position
 from .request import ManoeuvreRequest, ratio_fault, transition_fault
 from .stage import Stage, state_of
-
-MOST_EVENTS = 16  # in a section of the master's path there are eight at most
 
 
 @dataclass(slots=True)
@@ -76,10 +74,10 @@ class Gearing(GearingInterface):
             return Refusal.MASTER_TURNS
         if self.manoeuvre.stage in (Stage.STOPPED, Stage.ACTIVE, Stage.FROZEN):
             self.master.watch_travel()
-        self.travel(0)
-        self.obey()
-        for section in range(1, self.master.path.sections):
+        for section in range(self.master.path.sections):
             self.travel(section)
+            if section == 0:
+                self.obey()
         self.manoeuvre.time_curve.advance(h)
         self.rebase()  # before the setpoint is computed: from smaller positions it has more of its last bits
         self.set_slave_at_end()
@@ -90,6 +88,7 @@ class Gearing(GearingInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, with the master at its present input."""
+        self.master.path.leave()
         self.obey_ratio()
         self.obey_activate()
         self.obey_start()
@@ -124,7 +123,7 @@ class Gearing(GearingInterface):
         """The slave stops where it is."""
         manoeuvre = self.manoeuvre
         if manoeuvre.stage == Stage.ACTIVE:
-            manoeuvre.save_synchronous_point()
+            manoeuvre.save_synchronous_point(self.master.path.reached)
         manoeuvre.set_slave_now(self)
         manoeuvre.rest_position = manoeuvre.slave_position
         manoeuvre.has_queued_edge = False
@@ -197,31 +196,28 @@ class Gearing(GearingInterface):
 
     def travel(self, section: int) -> None:
         """Carry out the events on a section of the master's path one after the other."""
-        end = self.master.path.positions[section + 1]
-        self.manoeuvre.point.enter_section(self.master.path, section)
+        self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(section, end):
+            if not self.try_event():
                 break
-        self.manoeuvre.point.leave_section(self.master, section)
+        self.manoeuvre.master_motion.record_section(self.master)
 
-    def try_event(self, section: int, end: float) -> bool:
-        """Carry out the next event on the rest of the section, which leads to `end`, u; whether there was one."""
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         manoeuvre = self.manoeuvre
-        happened = False
         match manoeuvre.stage:
-            case Stage.FROZEN:
-                pass
             case Stage.STOPPED | Stage.ACTIVE:
-                happened = self.try_event_queued_edge()
+                return self.try_event_queued_edge()
             case Stage.WAITING_FOR_START:
-                happened = self.try_event_waiting(manoeuvre.gear_in_request, section)
+                return self.try_event_waiting(manoeuvre.gear_in_request)
             case Stage.WAITING_FOR_STOP:
-                happened = self.try_event_waiting(manoeuvre.gear_out_request, section)
+                return self.try_event_waiting(manoeuvre.gear_out_request)
             case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_OUT_MASTER_BASED:
-                happened = self.try_event_master_based(section, end)
+                return self.try_event_master_based()
             case Stage.GEAR_IN_TIME_BASED | Stage.GEAR_OUT_TIME_BASED:
-                happened = self.try_event_time_based(section, end)
-        return happened
+                return self.try_event_time_based()
+            case _:  # FROZEN ends by a command only
+                return False
 
     def try_event_queued_edge(self) -> bool:
         """At rest or on the line: an edge that has waited for the end of a transition acts."""
@@ -234,13 +230,13 @@ class Gearing(GearingInterface):
             self.command_stop()
         return True
 
-    def try_event_waiting(self, request: ManoeuvreRequest, section: int) -> bool:
+    def try_event_waiting(self, request: ManoeuvreRequest) -> bool:
         """At rest or on the line: the master moves as it has to, or crosses a trigger."""
         manoeuvre = self.manoeuvre
-        direction = direction_in(self.master.path, section)
+        direction = direction_in(self.master.path)
         is_engaging = manoeuvre.stage == Stage.WAITING_FOR_START
         if manoeuvre.starts_by_motion(request):
-            if not (request.allows(direction) and manoeuvre.point.is_motion(self.master, section)):
+            if not (request.allows(direction) and is_motion(self.master)):
                 return False
             manoeuvre.set_slave_now(self)
             if is_engaging:
@@ -248,20 +244,22 @@ class Gearing(GearingInterface):
             else:
                 manoeuvre.start_gear_out_now(self, direction)
             return True
-        if not manoeuvre.crosses_trigger(self, request, section):
+        if not manoeuvre.crosses_trigger(self, request):
             return False
         if is_engaging:
-            manoeuvre.start_gear_in_at_trigger(self, section)
+            manoeuvre.start_gear_in_at_trigger(self)
         else:
-            manoeuvre.start_gear_out_at_trigger(self, section)
+            manoeuvre.start_gear_out_at_trigger(self)
         return True
 
-    def try_event_master_based(self, section: int, end: float) -> bool:
+    def try_event_master_based(self) -> bool:
         """On a curve over the master's position: its end is reached, or the master goes back before its beginning."""
         manoeuvre = self.manoeuvre
+        path = self.master.path
+        end = path.end
         curve = manoeuvre.master_curve
         is_engaging = manoeuvre.stage == Stage.GEAR_IN_MASTER_BASED
-        if self.is_first_motion(end):
+        if curve.direction == 0.0 and not is_same_position(self.master, end, curve.trigger):  # the first motion
             curve.direction = direction_of(end - curve.trigger, 0.0)
             if is_engaging:
                 manoeuvre.line.master = curve.trigger + curve.half()
@@ -269,32 +267,26 @@ class Gearing(GearingInterface):
         is_reached = curve.is_reached_at(end)
         is_left = not is_reached and curve.is_left_at(end, self.master.uncertain_travel())
         if is_reached:
-            manoeuvre.point.go_to(self.master.path, section, curve.end())
+            path.go_to(curve.end())
             manoeuvre.end_transition(self)
         elif is_left:
-            manoeuvre.point.go_to(self.master.path, section, curve.trigger)
+            path.go_to(curve.trigger)
             if is_engaging:
                 manoeuvre.fall_back_to_rest(self)
             else:
                 manoeuvre.fall_back_to_line(self)
         return is_reached or is_left
 
-    def is_first_motion(self, end: float) -> bool:
-        """Whether a curve that started at rest gets its direction now, by the master's first motion, up to `end`."""
-        curve = self.manoeuvre.master_curve
-        return curve.direction == 0.0 and not is_same_position(self.master, end, curve.trigger)
-
-    def try_event_time_based(self, section: int, end: float) -> bool:
+    def try_event_time_based(self) -> bool:
         """On the way to the line or to rest: its time is over. The input correction takes no time."""
-        manoeuvre = self.manoeuvre
-        curve = manoeuvre.time_curve
-        last = self.master.path.times[section + 1]
-        if section == 0 or not curve.is_over(last):
+        path = self.master.path
+        time_curve = self.manoeuvre.time_curve
+        time = path.due(time_curve.clock, time_curve.curve.length)
+        if path.is_correction() or time == NEVER:
             return False
-        time = clamp(curve.time_left(), manoeuvre.point.time, last)
-        manoeuvre.point.position = end if time >= last else self.master.path.position(time)
-        manoeuvre.point.time = time
-        manoeuvre.end_transition(self)
+        path.now = time
+        path.reached = path.end if path.now >= path.until else path.position(path.now)
+        self.manoeuvre.end_transition(self)
         return True
 
     def rebase(self) -> None:

@@ -8,8 +8,6 @@ from ..motion.laws import Quintic, half_ramp, half_ramp_mirrored
 from ..numerics.computable_range import clamp
 from ..numerics.grid import grid_tolerance
 
-SAME_TIME = 1e-13  # of a step's or a transition's time: a time that is shorter is taken for a rounding error
-
 
 def gear_in_curve(travel: float, distance: float) -> tuple[float, float, float, float]:
     """The slave's travel, u, from rest on to a line of slope 1, and its three derivatives by the master's position.
@@ -93,14 +91,6 @@ class TimeCurve:
     def at(self, time: float) -> tuple[float, float, float, float]:
         """Position, velocity, acceleration and jerk; before the beginning and after the end the values there."""
         return self.curve.at(clamp(self.clock.time + time, 0.0, self.curve.length))
-
-    def time_left(self) -> float:
-        """The time from the beginning of the present step to the curve's end; negative: the end is past."""
-        return self.curve.length - self.clock.time
-
-    def is_over(self, time: float) -> bool:
-        """Whether the curve has ended by then, but for rounding."""
-        return self.time_left() - time <= SAME_TIME * self.curve.length
 
     def progress(self) -> float:
         """The share of its duration that is over at the beginning of the present step, 0 to 1."""

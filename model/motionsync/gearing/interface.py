@@ -137,7 +137,7 @@ class Local:
 
 @dataclass(slots=True)
 class GearingInterface:
-    """All variables of a Gearing, in the order in which the FMU lists them."""
+    """All variables of a Gearing."""
 
     master: Master = var.part(Master)
     activate: bool = var.input(True, "false: the slave stops at its last setpoint")

@@ -9,7 +9,7 @@ from .curves import MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault
 from .interface import GearingInterface, Ratio, State, Transition
 from .line import SynchronousLine, direction_of
-from .master_point import MasterPoint, direction_in, occurrence_spacing
+from .master_motion import MasterMotion, direction_in, occurrence_spacing, present_direction
 from .request import ManoeuvreRequest, PositionSource, gear_in_fault, gear_out_fault, ratio_fault
 from .stage import Stage, state_of
 from .trigger import expected_direction, is_trigger_crossed, next_trigger
@@ -26,7 +26,7 @@ class Manoeuvre:
     - state_when_frozen: the state that is shown while FROZEN.
     - gear_in_request, gear_out_request: what the last edges of start have read.
     - has_queued_edge: an edge of start that came during a transition acts at the transition's end.
-    - point: up to where the step is carried out; a manoeuvre that starts now starts there.
+    - master_motion: in which directions the master moved before.
     - ratio_before: gearing.numerator and gearing.denominator as they were read last.
     - synchronous_master, synchronous_slave: the synchronous point, where both axes were last in gear, u.
     - keeps_trigger: a direct transition that has fallen back waits for its own trigger.
@@ -41,7 +41,7 @@ class Manoeuvre:
     gear_in_request: ManoeuvreRequest = var.part(ManoeuvreRequest)
     gear_out_request: ManoeuvreRequest = var.part(ManoeuvreRequest)
     has_queued_edge: bool = False
-    point: MasterPoint = var.part(MasterPoint)
+    master_motion: MasterMotion = var.part(MasterMotion)
     ratio_before: Ratio = var.part(Ratio, hidden=True)
     line: SynchronousLine = var.part(SynchronousLine)
     synchronous_master: float = 0.0
@@ -77,8 +77,8 @@ class Manoeuvre:
     def enter_gear_in_time_based(self, block: GearingInterface) -> None:
         """What the slave, as it was set last, lacks to the line in position, velocity and acceleration goes to 0."""
         self.stage = Stage.GEAR_IN_TIME_BASED
-        time = self.point.time
-        e = self.slave_position - self.line.at(self.point.position)
+        time = block.master.path.now
+        e = self.slave_position - self.line.at(block.master.path.reached)
         e1 = block.slave.velocity - self.line.to_slave(block.master.velocity_at(time))
         e2 = block.slave.acceleration - self.line.to_slave(block.master.mean_acceleration())
         self.time_curve.start(time, self.gear_in_request.time, e, e1, e2, 0.0)
@@ -99,7 +99,7 @@ class Manoeuvre:
     def enter_gear_out_time_based(self, block: GearingInterface) -> None:
         """The slave goes from its motion, as it was set last, to rest at `target_position`."""
         self.stage = Stage.GEAR_OUT_TIME_BASED
-        time = self.point.time
+        time = block.master.path.now
         slave = block.slave
         duration = self.gear_out_request.time
         end = self.target_position
@@ -115,7 +115,7 @@ class Manoeuvre:
 
     def change_ratio(self, block: GearingInterface) -> None:
         """Use the new ratio: the line, or the curve, turns about the point where both axes are."""
-        position = self.point.position
+        position = block.master.path.reached
         match self.stage:
             case Stage.WAITING_FOR_START:
                 self.use_ratio(block.gearing)
@@ -145,10 +145,10 @@ class Manoeuvre:
             return self.synchronous_master + self.line.to_master(slave - self.synchronous_slave)
         return self.gear_in_request.position
 
-    def save_synchronous_point(self) -> None:
-        """Save both axes' positions at this instant, as ACTIVE is left."""
-        self.synchronous_master = self.point.position
-        self.synchronous_slave = self.line.at(self.point.position)
+    def save_synchronous_point(self, master: float) -> None:
+        """Save both axes' positions at this instant, as ACTIVE is left; the master is there."""
+        self.synchronous_master = master
+        self.synchronous_slave = self.line.at(master)
 
     def show_line_offset(self, block: GearingInterface) -> None:
         """Set the output that shows where the line runs; it stays until the line changes."""
@@ -169,12 +169,12 @@ class Manoeuvre:
 
     def engage(self, block: GearingInterface) -> None:
         """From rest: the engagement starts now if its condition is met; else it waits."""
-        self.point.direction_since_request = 0.0
+        self.master_motion.direction_since_request = 0.0
         self.enter_waiting_for_start(False)
         self.set_slave_now(block)
         self.use_ratio(block.gearing)
         self.set_line_in_advance(block)
-        direction = self.point.direction(block.master)
+        direction = present_direction(block.master)
         request = self.gear_in_request
         if self.is_on_synchronous_line(block):
             self.master_curve.trigger = self.nearest_reference(block)
@@ -185,7 +185,7 @@ class Manoeuvre:
 
     def engage_from_transition(self, block: GearingInterface) -> None:
         """On the way to rest: a time-based engagement starts now if its condition is met; any other waits for rest."""
-        direction = self.point.direction(block.master)
+        direction = present_direction(block.master)
         request = self.gear_in_request
         if request.transition == Transition.TIME_BASED and request.is_met_by(direction):
             self.set_slave_now(block)
@@ -200,17 +200,17 @@ class Manoeuvre:
         request = self.gear_in_request
         if request.source != PositionSource.SYNCHRONOUS_POINT or request.transition != Transition.NONE:
             return False
-        distance = abs(self.point.position - self.nearest_reference(block))
-        return distance <= LINE_TOLERANCE * max(1.0, abs(self.point.position))
+        distance = abs(block.master.path.reached - self.nearest_reference(block))
+        return distance <= LINE_TOLERANCE * max(1.0, abs(block.master.path.reached))
 
     def nearest_reference(self, block: GearingInterface) -> float:
         """Of the occurrences of m_a for a slave at rest the one nearest to the master."""
         base = self.reference_position(self.rest_position)
-        return nearest_on_grid(base, occurrence_spacing(block.master), self.point.position)
+        return nearest_on_grid(base, occurrence_spacing(block.master), block.master.path.reached)
 
     def start_gear_in_now(self, block: GearingInterface, direction: float) -> None:
         """Start a direct or time-based engagement, whose condition is met; the slave is as it was set last."""
-        position = self.point.position
+        position = block.master.path.reached
         self.master_curve.start(position, direction, self.gear_in_request.distance)
         self.begin_position = self.slave_position
         reference = position + self.master_curve.half()
@@ -220,9 +220,9 @@ class Manoeuvre:
         self.line.set_point(reference, self.slave_position)
         self.start_gear_in(block)
 
-    def start_gear_in_at_trigger(self, block: GearingInterface, section: int) -> None:
+    def start_gear_in_at_trigger(self, block: GearingInterface) -> None:
         """Start the engagement where the master crosses its trigger, in this section of its path."""
-        self.go_to_trigger(block, self.gear_in_request, section)
+        self.go_to_trigger(block, self.gear_in_request)
         self.set_slave_now(block)
         self.begin_position = self.rest_position
         self.line.set_point(self.master_curve.trigger + self.master_curve.half(), self.rest_position)
@@ -261,10 +261,10 @@ class Manoeuvre:
 
     def disengage(self, block: GearingInterface) -> None:
         """From the line: the disengagement starts now if its condition is met; else it waits."""
-        direction = self.point.direction(block.master)
+        direction = present_direction(block.master)
         self.set_slave_now(block)
-        self.save_synchronous_point()
-        self.point.direction_since_request = 0.0
+        self.save_synchronous_point(block.master.path.reached)
+        self.master_motion.direction_since_request = 0.0
         self.enter_waiting_for_stop(False)
         request = self.gear_out_request
         if self.starts_by_motion(request) and request.is_met_by(direction):
@@ -277,13 +277,13 @@ class Manoeuvre:
         at_once = request.transition == Transition.NONE and request.source == PositionSource.DIRECT
         if at_once or request.transition == Transition.TIME_BASED:
             self.has_queued_edge = False
-            self.start_gear_out_now(block, self.point.direction(block.master))
+            self.start_gear_out_now(block, present_direction(block.master))
         else:
             self.has_queued_edge = True
 
     def start_gear_out_now(self, block: GearingInterface, direction: float) -> None:
         """Start a direct or time-based disengagement, whose condition is met; the slave is as it was set last."""
-        self.master_curve.start(self.point.position, direction, self.gear_out_request.distance)
+        self.master_curve.start(block.master.path.reached, direction, self.gear_out_request.distance)
         self.begin_position = self.slave_position
         self.target_position = self.slave_position
         if self.gear_out_request.source == PositionSource.POSITION:
@@ -299,10 +299,10 @@ class Manoeuvre:
             return nearest_on_grid(stop, block.slave.period, self.slave_position)
         return first_on_grid_ahead(stop, block.slave.period, slave_direction, self.slave_position, True)
 
-    def start_gear_out_at_trigger(self, block: GearingInterface, section: int) -> None:
+    def start_gear_out_at_trigger(self, block: GearingInterface) -> None:
         """Start the disengagement where the master crosses its trigger, in this section of its path."""
         request = self.gear_out_request
-        self.go_to_trigger(block, request, section)
+        self.go_to_trigger(block, request)
         half = self.line.to_slave(self.master_curve.half())
         self.begin_position = self.line.at(self.master_curve.trigger)
         self.target_position = self.begin_position + half
@@ -376,23 +376,23 @@ class Manoeuvre:
         stop = self.line.master + self.line.to_master(request.position - self.line.slave)
         return stop - half, abs(self.line.to_master(block.slave.period))
 
-    def crosses_trigger(self, block: GearingInterface, request: ManoeuvreRequest, section: int) -> bool:
+    def crosses_trigger(self, block: GearingInterface, request: ManoeuvreRequest) -> bool:
         """Whether the manoeuvre starts at a trigger on the rest of the section."""
-        direction = direction_in(block.master.path, section)
+        direction = direction_in(block.master.path)
         if not request.allows(direction) or (self.keeps_trigger and direction != self.master_curve.direction):
             return False
-        if block.master.goes_against(direction, section, 0.0):
+        if block.master.goes_against(direction):
             return False
         base, spacing = self.triggers(block, request, direction)
-        return is_trigger_crossed(self.point, block.master, section, base, spacing, direction)
+        return is_trigger_crossed(self.master_motion, block.master, base, spacing, direction)
 
-    def go_to_trigger(self, block: GearingInterface, request: ManoeuvreRequest, section: int) -> None:
+    def go_to_trigger(self, block: GearingInterface, request: ManoeuvreRequest) -> None:
         """Go to the next trigger, which is on the section: the transition starts there."""
-        direction = direction_in(block.master.path, section)
+        direction = direction_in(block.master.path)
         base, spacing = self.triggers(block, request, direction)
-        trigger = next_trigger(self.point, base, spacing, direction, self.point.position)
+        trigger = next_trigger(self.master_motion, base, spacing, direction, block.master.path.reached)
         self.master_curve.start(trigger, direction, request.distance)
-        self.point.go_to(block.master.path, section, self.master_curve.trigger)
+        block.master.path.go_to(self.master_curve.trigger)
 
     def expected_trigger(self, block: GearingInterface, request: ManoeuvreRequest) -> float:
         """The next trigger of a waiting request after the step's end; the last trigger if it waits for a motion."""
@@ -400,17 +400,17 @@ class Manoeuvre:
             return self.master_curve.trigger
         direction = self.master_curve.direction
         if not self.keeps_trigger:
-            direction = expected_direction(self.point, block.master, request)
+            direction = expected_direction(self.master_motion, block.master, request)
         base, spacing = self.triggers(block, request, direction)
-        return next_trigger(self.point, base, spacing, direction, block.master.end)
+        return next_trigger(self.master_motion, base, spacing, direction, block.master.end)
 
     # --- the setpoint at an instant ---
 
     def set_slave_now(self, block: GearingInterface) -> None:
         """Set the slave's motion at the instant up to which the step is carried out."""
-        time = self.point.time
+        time = block.master.path.now
         master = block.master
-        self.set_slave_at(block, time, self.point.position, master.velocity_at(time), master.mean_acceleration())
+        self.set_slave_at(block, time, block.master.path.reached, master.velocity_at(time), master.mean_acceleration())
 
     def set_slave_at(
         self, block: GearingInterface, time: float, master: float, velocity: float, acceleration: float

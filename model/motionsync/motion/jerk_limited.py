@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
-from ..clock import Clock
+from ..clock import SAME_TIME, Clock
 from ..numerics.bracket import can_halve, halve, middle
 from ..numerics.computable_range import SHORTEST_TIME, clamp, to_computable_rate
-
-SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
 
 
 @dataclass(slots=True)
@@ -23,8 +21,8 @@ class Motion:
     """A motion in time of piecewise constant jerk; its last segment goes on for ever.
 
     Segment i, 0 <= i < segments, starts at start_times[i] (s, since the motion started) in the state positions[i],
-    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time
-    since the motion began.
+    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time since the
+    motion began; the times that `at` and `is_over` take count from the beginning of the present step.
 
     All limits are greater than 0. Nothing overflows for numbers within 1e12 and limits from 1e-12 on.
     """
@@ -37,46 +35,23 @@ class Motion:
     jerks: list[float] = var.ring(9)
     clock: Clock = var.part(Clock)
 
-    def run_at(self, position: float, velocity: float) -> None:
-        """Constant velocity (u/s) for ever; 0 is standstill."""
-        self.start(position, velocity, 0.0)
+    def start(self, position: float, velocity: float, acceleration: float) -> None:
+        """From this state on (u, u/s, u/s2) without jerk, for ever; velocity and acceleration as far as they can be
+        computed with. What follows is planned from here."""
+        self.segments = 1
+        self.start_times[0] = 0.0
+        self.positions[0] = position
+        self.velocities[0] = to_computable_rate(velocity)
+        self.accelerations[0] = to_computable_rate(acceleration)
+        self.jerks[0] = 0.0
+        self.clock.start(0.0)
 
-    def try_change(
-        self,
-        position: float,
-        velocity: float,
-        acceleration: float,
-        target: float,
-        drift: float,
-        low: float,
-        high: float,
-        jerk: float,
-    ) -> bool:
-        """The time-optimal change to the velocity target + drift t (u/s, u/s2), which then stays; low <= a <= high.
-
-        An acceleration outside the limits is first brought to the nearer limit. False: the target runs away, because
-        its drift is outside the limits, or at the limit that would be needed to catch up. Then the acceleration goes
-        to that limit and stays there for ever.
-        """
-        self.start(position, velocity, acceleration)
-        return self.try_approach(target, drift, low, high, jerk)
-
-    def halt(self, position: float, velocity: float, acceleration: float, down: float, jerk: float) -> None:
+    def halt(self, down: float, jerk: float) -> None:
         """The time-optimal stop; `down` is the limit of |a|."""
-        self.try_change(position, velocity, acceleration, 0.0, 0.0, -down, down, jerk)
+        self.try_change(0.0, 0.0, -down, down, jerk)
 
-    def move(
-        self,
-        position: float,
-        velocity: float,
-        acceleration: float,
-        target: float,
-        speed: float,
-        up: float,
-        down: float,
-        jerk: float,
-    ) -> None:
-        """From any state to rest at `target`, u; |v| <= speed, |a| <= `up` away from standstill and `down` towards it.
+    def move(self, target: float, speed: float, up: float, down: float, jerk: float) -> None:
+        """From any start to rest at `target`, u; |v| <= speed, |a| <= `up` away from standstill and `down` towards it.
 
         If the motion stopped at once it would end somewhere: the target is on one side of that position. The motion
         ramps to the cruise velocity towards that side, cruises, and then stops, from a time tau on. The later
@@ -87,12 +62,12 @@ class Motion:
         Positions count from the start of the motion until all is planned, so that a short distance far from 0 loses no
         digits.
         """
+        position = self.positions[0]
         distance = target - position
-        self.start(0.0, velocity, acceleration)
-        stopped = stopping_distance(self.velocities[0], self.accelerations[0], down, jerk)
-        direction = 1.0 if distance >= stopped else -1.0
-        limit = acceleration_limit(velocity, direction * speed, up, down)
-        self.try_approach(direction * speed, 0.0, -limit, limit, jerk)
+        self.positions[0] = 0.0
+        direction = 1.0 if distance >= self.stop_position(0, 0.0, down, jerk) else -1.0
+        limit = acceleration_limit(self.velocities[0], direction * speed, up, down)
+        self.try_change(direction * speed, 0.0, -limit, limit, jerk)
         passed = 1
         while passed < self.segments and direction * (self.stop_position(passed, 0.0, down, jerk) - distance) <= 0.0:
             passed += 1
@@ -101,7 +76,7 @@ class Motion:
             self.split_at(last, self.stop_start_time(last, direction, distance, down, jerk))
         else:
             self.split_at(last, max(direction * (distance - self.stop_position(last, 0.0, down, jerk)), 0.0) / speed)
-        self.try_approach(0.0, 0.0, -down, down, jerk)
+        self.halt(down, jerk)
         for i in range(self.segments):
             self.positions[i] += position
         self.positions[self.segments - 1] = target
@@ -116,16 +91,21 @@ class Motion:
         """The time at which the last segment starts."""
         return self.start_times[self.segments - 1]
 
+    def time_left(self) -> float:
+        """The time from the beginning of the present step to the start of the last segment; negative: it is past."""
+        return self.end_time() - self.clock.time
+
     def is_over(self, time: float) -> bool:
-        """Whether the last segment has started, but for rounding of the time."""
-        return time >= self.end_time() * SAME_TIME
+        """Whether the last segment has started by then, but for rounding of the time."""
+        return self.clock.has_reached(self.end_time(), time)
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time >= 0; where two segments meet, those of the later one."""
+        """Position, velocity, acceleration and jerk; where two segments meet, those of the later one."""
+        since_start = self.clock.time + time
         i = 0
-        while i + 1 < self.segments and self.start_times[i + 1] * SAME_TIME <= time:
+        while i + 1 < self.segments and self.start_times[i + 1] * SAME_TIME <= since_start:
             i += 1
-        return self.state(i, time - self.start_times[i])
+        return self.state(i, since_start - self.start_times[i])
 
     def advance(self, h: float) -> None:
         """Advance the clock by h, s."""
@@ -137,16 +117,6 @@ class Motion:
         jerk = self.jerks[segment]
         position, velocity = advance_state(self.positions[segment], self.velocities[segment], acceleration, jerk, time)
         return position, velocity, acceleration + time * jerk, jerk
-
-    def start(self, position: float, velocity: float, acceleration: float) -> None:
-        """A motion of one segment, which has no jerk; velocity and acceleration as far as they can be computed with."""
-        self.segments = 1
-        self.start_times[0] = 0.0
-        self.positions[0] = position
-        self.velocities[0] = to_computable_rate(velocity)
-        self.accelerations[0] = to_computable_rate(acceleration)
-        self.jerks[0] = 0.0
-        self.clock.start(0.0)
 
     def extend(self, time: float, jerk: float, acceleration: float) -> None:
         """Give the last segment this jerk for that time, at the end of which it has `acceleration`; there a new one
@@ -176,8 +146,13 @@ class Motion:
         self.jerks[segment] = 0.0  # should the time be 0
         self.extend(time, jerk, acceleration)
 
-    def try_approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
-        """As `try_change`, from the state in which the last segment starts; t counts from the start of the motion.
+    def try_change(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
+        """From the last segment's start the time-optimal change to the velocity target + drift t (u/s, u/s2), which
+        then stays; low <= a <= high, and t counts from the start of the motion.
+
+        An acceleration outside the limits is first brought to the nearer limit. False: the target runs away, because
+        its drift is outside the limits, or at the limit that would be needed to catch up. Then the acceleration goes
+        to that limit and stays there for ever.
 
         The velocity relative to the target, w = v - target - drift t, and its derivative, b = a - drift, are brought
         to 0, with the limits shifted by the drift."""

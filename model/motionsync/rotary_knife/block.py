@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, NoLength, PieceFault
-from ..cutting.instants import NEVER, due_instant
-from ..cutting.interface import LateMode, PieceKind, Source
+from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.interface import LateMode, PieceKind
 from ..cutting.material import Material
 from ..cutting.operation import Operation
 from ..cutting.outputs import (
@@ -21,30 +20,28 @@ from ..cutting.outputs import (
     show_warnings,
 )
 from ..cutting.piece import UNLIMITED
-from ..cutting.pieces import can_change_pieces, record_piece, try_drop_turns
+from ..cutting.pieces import can_change_pieces, fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
 from ..master import PathRefusal
+from ..master_path import MOST_EVENTS, NEVER
 from ..motion.axis_limits import AxisLimits
 from ..motion.exceeded_limit import ExceededLimit
 from ..motion.laws import chain_rule
 from ..numerics.computable_range import LARGEST
 from ..numerics.grid import wrap
-from .curves import SHORTEST_WAY, Peaks
+from .curves import PUNCTUAL, SHORTEST_WAY, Peaks, keeps_limits
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure
 from .faults import Refusal, SkipReason
 from .interface import RotaryKnifeInterface
 from .knife import Knife
-from .late_cuts import skip_cuts_before, skip_to_reached_cut
 from .outputs import show_peaks, show_state
-from .parking import Parking
+from .parking import Parking, RestTime
+from .pieces import FixedPiece, changed_cut, missing_length, skip_cuts_before, skip_to_reached_cut
 from .predictions import Predictions
-from .reserve import RestTime
 from .settings import KnifeSettings, describe_knife
-from .velocity import PUNCTUAL, keeps_limits
 from .window import Cut, Window
 
-MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
 
 
@@ -70,12 +67,8 @@ class RotaryKnife(RotaryKnifeInterface):
     exceeded: ExceededLimit = var.part(ExceededLimit)
     axis_limits: AxisLimits = var.part(AxisLimits, hidden=True)
 
-    # The windows: of the cut that ends the piece in progress, with the ramp up to it, which begins at `ramp_begin` from
-    # the cut and which lines up to `ramp_velocity` admit; of the latest cut to which a way was planned; of the last cut
-    # that was made.
-    piece_window: Window = var.part(Window)
-    ramp_begin: float = 0.0
-    ramp_velocity: float = 0.0
+    # The windows: of the latest cut to which a way was planned; of the last cut that was made.
+    fixed: FixedPiece = var.part(FixedPiece)
     planned_cut: Cut = var.part(Cut)
     is_cut_made: bool = True
     last_window: Window = var.part(Window)
@@ -86,14 +79,11 @@ class RotaryKnife(RotaryKnifeInterface):
     cycle_peaks: Peaks = var.part(Peaks)
     parking: Parking = var.part(Parking)
     rest_time: RestTime = var.part(RestTime)
-    is_piece_late: bool = False
     is_blocked: bool = False  # the ramp up: a parameter that it needs is out of its range
     is_ramp_too_fast: bool = False
     is_change_pending: bool = False
     is_cut_refused: bool = False  # a cut_now could not move the next cut forward
 
-    now: float = 0.0  # up to which all events are carried out, since the step's beginning
-    place: float = 0.0  # where the master is then
     block_clock: Clock = var.part(Clock)
 
     def initialize(self) -> Refusal:
@@ -159,10 +149,6 @@ class RotaryKnife(RotaryKnifeInterface):
         """Whether all tunable parameters are valid, and have been taken over."""
         return self.settings.are_current(self) and self.material.settings.are_current(self)
 
-    def can_fix(self) -> bool:
-        """Whether all is valid that a piece is fixed with."""
-        return self.settings.are_current(self) and self.material.settings.has_piece(self)
-
     def update_settings(self) -> None:
         """Compute with the present parameters, as far as they are valid."""
         self.settings.take_over(self, self.knife_data)
@@ -183,8 +169,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
-        self.now = 0.0
-        self.place = self.master.begin
+        self.master.path.leave()
         self.check_settings()
         self.obey_machine()
         self.obey_pieces()
@@ -215,12 +200,12 @@ class RotaryKnife(RotaryKnifeInterface):
     def set_to_work(self) -> None:
         """Fix the first piece, and wait for its cut."""
         self.running = True
-        self.is_piece_late = False
-        self.rest_time.start(self.now)
+        self.fixed.is_late = False
+        self.rest_time.start(self.master.path.now)
         is_sample_pending = self.material.is_sample_pending
         settings = self.material.settings
         self.material.start(self.start_mode, self.master.begin, settings.start.front_position / settings.factor)
-        self.accept_piece(is_sample_pending)
+        self.fixed.accept(self, self.operation, self.material, self.predictions, is_sample_pending)
         self.cycle.rest_at(Stage.WAITING, self.knife_data, self.cycle.blade, self.park_position())
 
     def advance_cut(self) -> None:
@@ -236,52 +221,21 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         operation.is_cut_pending = False
         if is_turning:
-            self.leave_curve()
+            self.departure.leave_curve(self.cycle, self.master)
             if self.hold or not self.cycle.can_append(2) or not self.try_earlier_cut():
                 self.is_cut_refused = True
 
     # --- the pieces ---
 
-    def fix_piece(self) -> None:
-        """Fix the piece that starts at the last cut, if the settings are valid."""
-        if not self.can_fix():
-            self.operation.pieces.fault = PieceFault.TUNABLE
-            return
+    def fix_piece(self, is_open: bool) -> None:
+        """Fix the piece that starts at the last cut, if the settings are valid; `is_open`: it had no length so far."""
         is_sample_pending = self.material.is_sample_pending
-        self.material.fix_piece()
-        self.accept_piece(is_sample_pending)
+        fix_piece(self.operation, self.material, self.can_fix(), is_open)
+        self.fixed.accept(self, self.operation, self.material, self.predictions, is_sample_pending)
 
-    def accept_piece(self, is_sample_pending: bool) -> None:
-        """Take the present window for the piece that was fixed; it is not fixed if the knife would have to park for it,
-        and must not. `is_sample_pending`: before it was fixed."""
-        piece = self.material.piece
-        if not piece.is_fixed:
-            return
-        if piece.kind != PieceKind.TRIM and self.is_too_long(piece.pitch):
-            piece.reset()
-            self.material.is_sample_pending = is_sample_pending
-            self.operation.pieces.fault = PieceFault.TUNABLE
-        else:
-            self.take_window()
-
-    def is_too_long(self, pitch: float) -> bool:
-        """Whether the knife would have to park for a piece of that pitch, u of the master, and must not."""
-        return not self.allow_parking and self.source == Source.LENGTH and pitch > self.predictions.lengths.longest
-
-    def missing_length(self) -> NoLength:
-        """Why no length is known for the piece that starts at the last cut."""
-        reason = self.material.missing_length()
-        pitch = self.material.pitch_of(self.material.expected_length(False))
-        is_too_long = not self.material.piece.is_fixed and pitch < UNLIMITED and self.is_too_long(pitch)
-        return NoLength.TOO_LONG if reason == NoLength.NONE and is_too_long else reason
-
-    def take_window(self) -> None:
-        """The piece in progress ends with a cut in the window as it is set."""
-        var.copy(self.piece_window, self.predictions.window)
-        self.ramp_begin = self.predictions.ramp_up.way.ramp_up.begin
-        self.ramp_velocity = self.predictions.ramp_up.max_line_velocity
-        self.predictions.is_cycle_current = False
-        self.is_piece_late = False
+    def can_fix(self) -> bool:
+        """Whether all is valid that a piece is fixed with."""
+        return self.settings.are_current(self) and self.material.settings.has_piece(self)
 
     def update_piece(self) -> None:
         """Fix a piece that had no length, and one whose length has changed."""
@@ -290,7 +244,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.is_change_pending = False
         elif not piece.is_fixed:
             self.is_change_pending = False
-            self.fix_open_piece()
+            self.fix_piece(True)
         elif not can_change_pieces(self.material):
             self.is_change_pending = False
         elif piece.kind == PieceKind.PRODUCT:
@@ -298,24 +252,9 @@ class RotaryKnife(RotaryKnifeInterface):
             can_change = has_changed and self.can_fix()
             self.is_change_pending = has_changed and not (can_change and self.try_change_piece())
 
-    def fix_open_piece(self) -> None:
-        """Fix a piece that had no length, if there is one now."""
-        if not self.can_fix():
-            self.operation.pieces.fault = PieceFault.TUNABLE
-            return
-        is_sample_pending = self.material.is_sample_pending
-        self.material.fix_open_piece()
-        self.accept_piece(is_sample_pending)
-
-    def changed_cut(self) -> float:
-        """The cut of the product in progress if it is fixed anew, a position of the master; UNLIMITED: it cannot be."""
-        length, _ = self.material.next_product()
-        pitch = self.material.pitch_of(length)
-        return UNLIMITED if pitch == UNLIMITED or self.is_too_long(pitch) else self.material.piece.begin + pitch
-
     def try_change_piece(self) -> bool:
         """Fix the product in progress anew, if its cut can still be reached: the curve to it is planned anew."""
-        cut = self.changed_cut()
+        cut = changed_cut(self, self.predictions, self.material)
         if cut == UNLIMITED:
             return False
         if self.cycle.stage == Stage.WAITING:
@@ -339,12 +278,12 @@ class RotaryKnife(RotaryKnifeInterface):
         is_on_curve = stage in (Stage.ENGAGING, Stage.TURNING, Stage.DISENGAGING)
         if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(2):
             return False
-        self.leave_curve()
+        self.departure.leave_curve(self.cycle, self.master)
         return True
 
     def change_piece(self) -> None:
         self.material.change_product()
-        self.take_window()
+        self.fixed.take_window(self.predictions)
 
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
@@ -352,7 +291,7 @@ class RotaryKnife(RotaryKnifeInterface):
         self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
         show_marks(self, self.warning, self.local, self.material)
         if self.material.piece.is_fixed and not was_fixed:
-            self.take_window()
+            self.fixed.take_window(self.predictions)
         if self.material.mark_fault != PieceFault.NONE:
             self.fail(self.material.mark_fault)
 
@@ -360,38 +299,37 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def travel(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
-        path = self.master.path
-        self.now = 0.0 if section == 0 else path.times[section]
-        self.place = path.positions[section]
+        self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
-            if not self.try_event(section):
+            if not self.try_event():
                 break
 
-    def try_event(self, section: int) -> bool:
-        """Carry out the next event on a section of the path; False: there is none."""
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.cycle.stage:
             case Stage.RESTING:
                 return False
             case Stage.PARKING:
-                return self.try_event_parking(section)
+                return self.try_event_parking()
             case _:
-                return self.try_event_on_cycle(section)
+                return self.try_event_on_cycle()
 
-    def try_event_parking(self, section: int) -> bool:
+    def try_event_parking(self) -> bool:
         """The knife arrives at park."""
-        until = 0.0 if section == 0 else self.master.path.times[section + 1]
+        path = self.master.path
         motion = self.parking.motion
-        time = due_instant(motion.clock, motion.end_time(), self.now, until)
+        time = path.due(motion.clock, motion.end_time())
         if time == NEVER:
             return False
-        self.now = time
+        path.now = time
         self.arrive()
         return True
 
-    def try_event_on_cycle(self, section: int) -> bool:
+    def try_event_on_cycle(self) -> bool:
         """The knife comes to another section of its cycle, or what its present stage waits for happens."""
-        begin = self.master.path.positions[section]
-        end = self.master.path.positions[section + 1]
+        path = self.master.path
+        begin = path.positions[path.section]
+        end = path.end
         cycle = self.cycle
         if end < begin:
             # On a measured line noise must not end a ramp that has hardly begun: before it the knife rests as well.
@@ -399,59 +337,55 @@ class RotaryKnife(RotaryKnifeInterface):
             if cycle.stage == Stage.ENGAGING:
                 begin_of_stage -= min(self.master.uncertain_travel(), cycle.rest_before())
             if cycle.present > 0 and end < begin_of_stage:
-                self.move_to(section, begin_of_stage)
+                path.go_to(begin_of_stage)
                 self.enter_section(cycle.present - 1)
                 return True
         elif end > begin and not cycle.is_last():
             if end >= cycle.next_begin:
-                self.move_to(section, cycle.next_begin)
+                path.go_to(cycle.next_begin)
                 self.enter_section(cycle.present + 1)
                 return True
             return False
         elif end > begin and cycle.stage == Stage.SYNCHRONOUS:
-            return self.try_event_synchronous(section, end)
-        return cycle.stage == Stage.WAITING and self.try_event_waiting(section, begin, end)
+            return self.try_event_synchronous()
+        return cycle.stage == Stage.WAITING and self.try_event_waiting()
 
-    def move_to(self, section: int, place: float) -> None:
-        """All events are carried out up to a place on a section of the path, or beyond it already."""
-        time = self.master.path.crossing_time(section, place)
-        self.now = max(self.now, time)
-        rising = self.master.path.positions[section + 1] > self.master.path.positions[section]
-        self.place = max(self.place, place) if rising else min(self.place, place)
-
-    def try_event_synchronous(self, section: int, end: float) -> bool:
+    def try_event_synchronous(self) -> bool:
         """In the latest window: the cut, or the window's end."""
         place = self.planned_cut.end() if self.is_cut_made else self.planned_cut.place
-        if end < place:
+        if self.master.path.end < place:
             return False
-        self.move_to(section, place)
+        self.master.path.go_to(place)
         if self.is_cut_made:
             self.leave_window()
         else:
             self.make_cut()
         return True
 
-    def try_event_waiting(self, section: int, begin: float, end: float) -> bool:
+    def try_event_waiting(self) -> bool:
         """The machine rests for good, or a ramp up begins."""
         if self.operation.is_stopping:
             self.enter_resting()
             return True
-        if self.hold or self.is_blocked or end < begin or (section == 0 and end == begin):
+        path = self.master.path
+        travel = path.end - path.positions[path.section]
+        if self.hold or self.is_blocked or travel < 0.0 or (path.is_correction() and travel == 0.0):
             return False
         if self.operation.is_cut_pending:
-            return self.try_requested_cut(section)
-        return end > begin and self.material.piece.is_fixed and self.try_ramp(section, end)
+            return self.try_requested_cut()
+        return travel > 0.0 and self.material.piece.is_fixed and self.try_ramp()
 
-    def try_ramp(self, section: int, end: float) -> bool:
+    def try_ramp(self) -> bool:
         """The ramp up to the next cut begins, if the section of the path leads there."""
         piece = self.material.piece
-        begin = piece.end + self.ramp_begin
-        if end < begin:
+        path = self.master.path
+        begin = piece.end + self.fixed.ramp_begin
+        if path.end < begin:
             return False
-        self.move_to(section, begin)
+        path.go_to(begin)
         if piece.waits_for_line() and not (
-            self.try_wait_for_line(section, self.ramp_velocity)
-            and self.can_ramp_to(max(piece.end, self.place - self.ramp_begin))
+            self.try_wait_for_line(self.fixed.ramp_velocity)
+            and self.can_ramp_to(max(piece.end, path.reached - self.fixed.ramp_begin))
         ):
             return False
         self.begin_ramp()
@@ -459,36 +393,36 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def can_ramp_to(self, cut: float) -> bool:
         """Whether a ramp up to the window of a cut would have a length from here on, where positions are rounded."""
-        return cut - self.piece_window.before - self.place > SHORTEST_WAY
+        return cut - self.fixed.window.before - self.master.path.reached > SHORTEST_WAY
 
-    def try_requested_cut(self, section: int) -> bool:
+    def try_requested_cut(self) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""
         is_fixed = self.material.piece.is_fixed
-        limit = self.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
-        if not self.try_wait_for_line(section, limit):
+        limit = self.fixed.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
+        if not self.try_wait_for_line(limit):
             return False
         if not is_fixed:
-            self.take_window()
-        cut = self.place - self.ramp_begin
+            self.fixed.take_window(self.predictions)
+        cut = self.master.path.reached - self.fixed.ramp_begin
         if self.operation.try_take_cut(self.material, cut, self.can_ramp_to(cut)):
             self.enter_engaging()
         return True
 
-    def try_wait_for_line(self, section: int, limit: float) -> bool:
-        """Go to the first instant on a section of the path at which the line is no faster than the limit of a ramp,
-        u/s; False: there is none."""
+    def try_wait_for_line(self, limit: float) -> bool:
+        """Go to the first instant on what is left of the section at which the line is no faster than the limit of a
+        ramp, u/s; False: there is none."""
         master = self.master
-        until = 0.0 if section == 0 else master.path.times[section + 1]
+        path = master.path
         greatest = limit * PUNCTUAL
-        velocity = master.velocity_at(self.now)
+        velocity = master.present_velocity()
         if velocity <= greatest:
             return True
-        last = master.velocity_at(until)
+        last = master.velocity_at(path.until)
         if last > greatest:
             return False
-        time = self.now + (until - self.now) * ((velocity - greatest) / (velocity - last))
-        self.now = max(self.now, min(time, until))
-        self.place = max(self.place, min(master.path.position(self.now), master.path.positions[section + 1]))
+        time = path.now + (path.until - path.now) * ((velocity - greatest) / (velocity - last))
+        path.now = max(path.now, min(time, path.until))
+        path.reached = max(path.reached, min(path.position(path.now), path.end))
         return True
 
     # --- sections of the cycle ---
@@ -496,11 +430,11 @@ class RotaryKnife(RotaryKnifeInterface):
     def enter_section(self, index: int) -> None:
         """The knife comes to the next section of its cycle, or back to the one before."""
         is_forward = index > self.cycle.present
-        self.rest_time.leave(self.now)
+        self.rest_time.leave(self.master.path.now)
         self.cycle.enter(index)
         if self.cycle.stage != Stage.WAITING:
             return
-        self.rest_time.rest(self.now)
+        self.rest_time.rest(self.master.path.now)
         self.master.watch_travel()
         if self.operation.is_stopping:
             self.enter_resting()
@@ -510,17 +444,17 @@ class RotaryKnife(RotaryKnifeInterface):
     def begin_ramp(self) -> None:
         """The ramp up to the next cut begins, unless the line is too fast or it is too late."""
         piece = self.material.piece
-        before = self.piece_window.before
-        begin = piece.end + self.ramp_begin
-        travel = -(before + self.ramp_begin)
-        earliest = self.place - self.ramp_begin
+        before = self.fixed.window.before
+        begin = piece.end + self.fixed.ramp_begin
+        travel = -(before + self.fixed.ramp_begin)
+        earliest = self.master.path.reached - self.fixed.ramp_begin
         if not self.material.settings.has_cycle(self):
             self.is_blocked = True
             self.operation.pieces.fault = PieceFault.TUNABLE
             return
-        velocity = self.master.velocity_at(self.now)
-        is_slow = velocity <= self.ramp_velocity * PUNCTUAL
-        is_in_time = self.place <= begin + LATE * travel and self.can_ramp_to(piece.end)
+        velocity = self.master.present_velocity()
+        is_slow = velocity <= self.fixed.ramp_velocity * PUNCTUAL
+        is_in_time = self.master.path.reached <= begin + LATE * travel and self.can_ramp_to(piece.end)
         if is_slow and is_in_time and piece.leaves_length(piece.end):
             self.enter_engaging()
         elif piece.waits_for_line():
@@ -532,7 +466,7 @@ class RotaryKnife(RotaryKnifeInterface):
         elif self.material.settings.cycle.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
-            missing = max(self.place - begin, 0.0) if is_slow else 0.0
+            missing = max(self.master.path.reached - begin, 0.0) if is_slow else 0.0
             self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE, missing)
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
@@ -546,8 +480,8 @@ class RotaryKnife(RotaryKnifeInterface):
         """The ramp up to the next cut begins."""
         knife = self.knife_data
         self.cycle.forget_old_sections(2, knife)
-        self.departure.aim(self.piece_window, self.material.piece.end)
-        self.departure.way.plan_ramp_up(knife, self.place, self.departure.cut)
+        self.departure.aim(self.fixed.window, self.material.piece.end)
+        self.departure.way.plan_ramp_up(knife, self.master.path.reached, self.departure.cut)
         self.cycle.append_section(RAMP_UP, self.departure.way.ramp_up, self.cycle.blade)
         self.plan_window()
         var.copy(self.cycle_peaks, self.departure.way.peaks)
@@ -556,7 +490,7 @@ class RotaryKnife(RotaryKnifeInterface):
     def plan_window(self) -> None:
         """Append the window of the next cut to the cycle."""
         self.planned_cut.place = self.material.piece.end
-        var.copy(self.planned_cut.window, self.piece_window)
+        var.copy(self.planned_cut.window, self.fixed.window)
         self.is_cut_made = False
         self.cycle.append_window(self.planned_cut, self.next_blade())
 
@@ -610,19 +544,19 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_cut_refused = False
         var.copy(self.last_window, self.planned_cut.window)
         self.has_last_window = True
-        reserve = self.rest_time.share(self.now, self.is_piece_late)
-        time = self.block_clock.time + self.now
+        reserve = self.rest_time.share(self.master.path.now, self.fixed.is_late)
+        time = self.block_clock.time + self.master.path.now
         record_piece(self, self.material, self.records, self.planned_cut.place, time, reserve)
-        self.rest_time.cut(self.now)
+        self.rest_time.cut(self.master.path.now)
         self.predictions.is_cycle_current = False
-        self.fix_piece()
+        self.fix_piece(False)
 
     def leave_window(self) -> None:
         """At the end of a window: the way to the next cut is planned, or the ramp down."""
         departure = self.departure
         operation = self.operation
         piece = self.material.piece
-        velocity = self.master.velocity_at(self.now)
+        velocity = self.master.present_velocity()
         departure.leave_window(self.planned_cut, self.knife_data.spacing, velocity)
         has_to_rest = operation.is_stopping or self.hold
         if not has_to_rest:
@@ -634,7 +568,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 self.is_cut_refused = True
         if has_to_rest or not piece.is_fixed:
             self.plan_ramp_down()
-        elif piece.leaves_length(piece.end) and departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
+        elif piece.leaves_length(piece.end) and departure.try_cut(self.knife_data, self.fixed.window, piece.end, True):
             self.plan_way()
         else:
             self.act_on_late_cut()
@@ -644,7 +578,7 @@ class RotaryKnife(RotaryKnifeInterface):
         material = self.material
         if not (self.is_change_pending and can_change_pieces(material) and material.has_changed()):
             return
-        cut = self.changed_cut()
+        cut = changed_cut(self, self.predictions, self.material)
         if cut < UNLIMITED and self.departure.try_cut(self.knife_data, self.predictions.window, cut, True):
             self.change_piece()
             self.is_change_pending = False
@@ -658,13 +592,13 @@ class RotaryKnife(RotaryKnifeInterface):
         if late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         elif late_mode == LateMode.LATE and departure.try_earliest(
-            knife, self.piece_window, max(piece.end, piece.least_end())
+            knife, self.fixed.window, max(piece.end, piece.least_end())
         ):
             self.delay_cut(departure.cut.place)
             self.plan_way()
         else:
             self.show_skipped_cut(SkipReason.LATE, 0.0)
-            if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
+            if skip_to_reached_cut(departure, knife, self.fixed.window, self.material, self.statistics):
                 self.plan_way()
             else:
                 self.plan_ramp_down()
@@ -673,17 +607,12 @@ class RotaryKnife(RotaryKnifeInterface):
     def delay_cut(self, cut: float) -> None:
         """The cut is made late, at this position of the master, u."""
         self.material.piece.end = cut
-        self.is_piece_late = True
+        self.fixed.is_late = True
         self.statistics.late = increased(self.statistics.late, 1.0)
 
     def show_skipped_cut(self, reason: SkipReason, missing_distance: float) -> None:
         """Show that the next cut is skipped, and why."""
-        show_skipped_cut(self.local, reason, self.master, self.material.piece.end, self.now, missing_distance)
-
-    def leave_curve(self) -> None:
-        """The knife may leave the curve on which it is."""
-        position, d1, d2, d3 = self.cycle.at(self.place)
-        self.departure.leave_curve(self.place, position, d1, d2, d3, self.master.velocity_at(self.now))
+        show_skipped_cut(self.local, reason, self.master, self.material.piece.end, missing_distance)
 
     def try_earlier_cut(self) -> bool:
         """A cut_now where the knife turns: the cut is made as early as it can be, if that is before it is due."""
@@ -694,7 +623,7 @@ class RotaryKnife(RotaryKnifeInterface):
         knife = self.knife_data
         least = max(departure.begin, piece.least_end())
         if piece.is_fixed:
-            if not departure.try_earliest_turning(knife, self.piece_window, least, piece.end):
+            if not departure.try_earliest_turning(knife, self.fixed.window, least, piece.end):
                 return False
             if not departure.cut.place < piece.end:
                 return False
@@ -702,7 +631,7 @@ class RotaryKnife(RotaryKnifeInterface):
             window = self.predictions.window
             if not departure.try_earliest_turning(knife, window, least, UNLIMITED):
                 return False
-            self.take_window()
+            self.fixed.take_window(self.predictions)
         if not self.material.try_fix_short(departure.cut.place):
             return False
         self.plan_way()
@@ -735,12 +664,8 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def enter_parking(self) -> None:
         """From the cycle to park."""
-        position, d1, d2, d3 = self.cycle.at(self.place)
-        velocity, acceleration, _ = chain_rule(
-            d1, d2, d3, self.master.velocity_at(self.now), self.master.mean_acceleration()
-        )
-        self.rest_time.leave(self.now)
-        self.parking.plan(self.knife_data, self.now, self.cycle.blade, position, velocity, acceleration)
+        self.rest_time.leave(self.master.path.now)
+        self.parking.plan(self.knife_data, self.cycle, self.master)
         self.cycle.stage = Stage.PARKING
         if self.operation.fault != PieceFault.NONE:
             self.drop_piece()
@@ -784,7 +709,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 last_blade = self.blade_after(self.cycle.blade - 1.0)
                 self.slave.set(self.shown_position(last_blade, self.knife_data.park_angle), 0.0, 0.0, 0.0)
             case Stage.PARKING:
-                position, velocity, acceleration, jerk = self.parking.at_end_of_step()
+                position, velocity, acceleration, jerk = self.parking.motion.at(0.0)
                 self.count_passed_places(position)
                 self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
             case _:
@@ -806,7 +731,7 @@ class RotaryKnife(RotaryKnifeInterface):
         is_entering = stage == Stage.SYNCHRONOUS and not self.is_cut_made and self.cycle.is_last()
         show_piece(self, self.material, self.master.end)
         if self.next_cut.known and not is_entering:
-            self.next_cut.distance = (self.material.piece.end - self.master.end) - self.piece_window.before
+            self.next_cut.distance = (self.material.piece.end - self.master.end) - self.fixed.window.before
         window = self.predictions.window
         self.local.coupling_factor = window.slope
         self.local.blade_spacing = self.knife_data.spacing
@@ -821,17 +746,17 @@ class RotaryKnife(RotaryKnifeInterface):
             stage in (Stage.RESTING, Stage.WAITING, Stage.ENGAGING) and self.operation.fault == PieceFault.NONE
         )
         if not (self.running and self.material.piece.is_fixed):
-            var.copy(self.piece_window, self.predictions.window)
+            var.copy(self.fixed.window, self.predictions.window)
         if not self.has_last_window:
             var.copy(self.last_window, self.predictions.window)
         self.predictions.update(
-            self, self.knife_data, self.material, self.last_window, self.piece_window, is_out_of_rest
+            self, self.knife_data, self.material, self.last_window, self.fixed.window, is_out_of_rest
         )
 
     def show(self, before: float, h: float) -> None:
         """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         show_state(self, self.cycle.stage, self.operation)
-        show_queues(self, self.local, self.material, self.missing_length())
+        show_queues(self, self.local, self.material, missing_length(self, self.predictions, self.material))
         if self.cycle.stage in (Stage.RESTING, Stage.WAITING):
             self.exceeded.clear()
         else:

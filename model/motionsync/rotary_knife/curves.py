@@ -2,7 +2,8 @@
 
 All sections are quintics through six values (VDI 2143, general polynomial of order 5). Positions of master and slave
 may count from anywhere, as long as all of a call count from the same; d1, d2, d3 are the derivatives of the slave's
-position by the master's.
+position by the master's. On a line of velocity v, curves with the greatest d1, d2, d3 take the velocity d1 v, the
+acceleration d2 v2 and the jerk d3 v3; the axis's limits of these give the greatest v.
 """
 
 from dataclasses import dataclass
@@ -12,12 +13,15 @@ from .. import var
 from ..motion.laws import Quintic
 from ..motion.quintic_peaks import QuinticPeaks
 from ..numerics.computable_range import clamp
+from ..numerics.cube_root import cube_root
 from .knife import Knife
 from .window import CurvePoint, Cut, Window
 
 FAR_BACK = -1e300  # before every position of the master
 SHORTEST_WAY = 1e-60  # u of the master: of a shorter one, powers of the inverse may leave the range of a double
 TURNING_BACK = 1e-12  # of the slope at the cut: a least slope that is below 0 by no more is rounding
+FASTEST = 1e300  # u/s: the velocity of a line that nothing limits
+PUNCTUAL = 1.0 + 1e-9  # of a greatest line velocity: a cut is late above this
 
 
 @dataclass(slots=True)
@@ -71,6 +75,23 @@ class Peaks:
         self.d1 = 0.0
         self.d2 = 0.0
         self.d3 = 0.0
+
+
+def admissible_velocity(knife: Knife, peaks: Peaks) -> float:
+    """The greatest line velocity, u/s of the master, at which curves with these peaks keep the axis's limits."""
+    velocity = FASTEST
+    if peaks.d1 > 0.0:
+        velocity = knife.max_velocity / peaks.d1
+    if peaks.d2 > 0.0:
+        velocity = min(velocity, sqrt(knife.max_acceleration / peaks.d2))
+    if peaks.d3 > 0.0:
+        velocity = min(velocity, cube_root(knife.max_jerk / peaks.d3))
+    return velocity
+
+
+def keeps_limits(knife: Knife, peaks: Peaks, velocity: float) -> bool:
+    """Whether curves with these peaks keep the axis's limits at a line velocity, but for rounding."""
+    return velocity <= PUNCTUAL * admissible_velocity(knife, peaks)
 
 
 @dataclass(slots=True)

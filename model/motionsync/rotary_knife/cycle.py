@@ -96,10 +96,8 @@ class Cycle:
         if self.stage <= Stage.WAITING:
             return self.rest, 0.0, 0.0, 0.0
         if self.stage == Stage.SYNCHRONOUS:
-            position, d1, d2, d3 = self.cut.at(master)
-            return position, d1, d2, d3
-        position, d1, d2, d3 = self.section.at(master)
-        return position, d1, d2, d3
+            return self.cut.at(master)
+        return self.section.at(master)
 
     # --- the knife is on another section ---
 

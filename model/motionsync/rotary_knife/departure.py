@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 from .. import var
 from ..cutting.piece import UNLIMITED
-from .curves import Peaks, Way
+from ..master import Master
+from .curves import Peaks, Way, keeps_limits
+from .cycle import Cycle
 from .knife import Knife
 from .limits import EarliestCut
-from .velocity import keeps_limits
 from .window import CurvePoint, Cut, Window
 
 MOST_PLACES = 64  # that are tried one by one
@@ -46,11 +47,12 @@ class Departure:
         self.leaving.clear()
         self.leaving.include_window_end(end)
 
-    def leave_curve(self, begin: float, position: float, d1: float, d2: float, d3: float, velocity: float) -> None:
-        """Leave the curve on which the knife is, in this state."""
-        self.begin = begin
+    def leave_curve(self, cycle: Cycle, master: Master) -> None:
+        """Leave the curve on which the knife is, where the master is now."""
+        self.begin = master.path.reached
+        position, d1, d2, d3 = cycle.at(self.begin)
         self.point.set(position, d1, d2, d3)
-        self.velocity = velocity
+        self.velocity = master.present_velocity()
         self.leaving.clear()
 
     def include_leaving(self, peaks: Peaks) -> None:
@@ -86,7 +88,8 @@ class Departure:
         if not keeps_limits(knife, self.leaving, self.velocity):
             return False
         self.aim(window, least)
-        self.earliest.find_turning(knife, self.begin, self.point, self.cut, self.velocity, least, greatest)
+        self.earliest.search.start(self.begin, self.point, self.cut)
+        self.earliest.find_turning(knife, self.velocity, least, greatest)
         return self.try_take_earliest()
 
     def try_earliest(self, knife: Knife, window: Window, least: float) -> bool:
@@ -95,7 +98,7 @@ class Departure:
             return True
         if not (knife.may_park and keeps_limits(knife, self.leaving, self.velocity)):
             return False
-        self.earliest.find_parking(knife, self.begin, self.point, self.cut, self.velocity, least)
+        self.earliest.find_parking(knife, self.velocity, least)
         return self.try_take_earliest()
 
     def try_take_earliest(self) -> bool:

@@ -153,7 +153,7 @@ class Local(CuttingLocal):
 
 @dataclass(slots=True)
 class RotaryKnifeInterface(CuttingInterface):
-    """All variables of the block, in the order in which the FMU lists them."""
+    """All variables of the block."""
 
     line: LineRequest = var.part(
         LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH, *REQUEST)}

@@ -11,11 +11,10 @@ from .. import var
 from ..cutting.piece import UNLIMITED
 from ..motion.laws import POLYNOMIAL_3_4_5_D1, POLYNOMIAL_3_4_5_D2, POLYNOMIAL_3_4_5_D3
 from ..numerics.cube_root import cube_root
-from .curves import FAR_BACK, Peaks, Way, ramp_down_travel, ramp_up_travel
+from .curves import FAR_BACK, Peaks, Way, admissible_velocity, ramp_down_travel, ramp_up_travel
 from .knife import Knife
-from .velocity import admissible_velocity
 from .way_search import WaySearch
-from .window import CurvePoint, Cut, Window
+from .window import Cut, Window
 
 NO_LENGTH = 1e12  # u: the shortest pitch where there is none
 LEAST = 1e-60  # u/s: a line velocity below it counts as this one, so that no quotient overflows
@@ -98,7 +97,7 @@ class LengthLimits:
         if window.is_horizontal:
             var.copy(self.cut.window, window)
             self.cut.position = knife.spacing
-            self.search.start(False, window.after, window.end, self.cut)
+            self.search.start(window.after, window.end, self.cut)
             self.search.counted.include_window_end(window.begin)
             self.search.counted.include_window_end(window.end)
             self.search.find_longest(knife)
@@ -161,22 +160,18 @@ class EarliestCut:
 
     Attributes:
         exists: there is one.
-        search: its `cut` is that cut, its `way` the way to it.
+        search: is started before; then its `cut` is that cut, its `way` the way to it.
     """
 
     exists: bool = False
     search: WaySearch = var.part(WaySearch)
 
-    def find_turning(
-        self, knife: Knife, begin: float, point: CurvePoint, cut: Cut, velocity: float, least: float, greatest: float
-    ) -> None:
-        """Turning on, with the master at `least` to `greatest` at the cut; UNLIMITED sets no bound. v > 0.
-
-        Of `cut`, the place does not count; nor do in `find_parking`."""
+    def find_turning(self, knife: Knife, velocity: float, least: float, greatest: float) -> None:
+        """Turning on, with the master at `least` to `greatest` at the cut; UNLIMITED sets no bound. v > 0."""
         search = self.search
-        search.start(False, begin, point, cut)
-        most = greatest - cut.window.before - begin
-        first = max(least - cut.window.before - begin, 0.0)
+        search.parks = False
+        most = search.travel_to(greatest)
+        first = max(search.travel_to(least), 0.0)
         self.exists = False
         if search.natural_travel() <= 0.0:
             return
@@ -191,19 +186,17 @@ class EarliestCut:
         if self.exists:
             search.find_shortest(knife, first, v)
 
-    def find_parking(
-        self, knife: Knife, begin: float, point: CurvePoint, cut: Cut, velocity: float, least: float
-    ) -> None:
+    def find_parking(self, knife: Knife, velocity: float, least: float) -> None:
         """Out of rest, with the master at `least` or later at the cut. v > 0."""
         search = self.search
-        search.start(True, begin, point, cut)
+        search.parks = True
         v = max(velocity, LEAST)
-        down = ramp_down_travel(knife, point, cut.position)
+        down = ramp_down_travel(knife, search.point, search.cut.position)
         self.exists = False
         if down <= 0.0 or not knife.may_park:
             return
-        first = max(least - cut.window.before - begin, 0.0)
-        search.plan(knife, max(down + ramp_up_travel(knife, cut.window), first))
+        first = max(search.travel_to(least), 0.0)
+        search.plan(knife, max(down + ramp_up_travel(knife, search.cut.window), first))
         self.exists = search.velocity >= v
         if self.exists:
             search.find_shortest(knife, first, v)

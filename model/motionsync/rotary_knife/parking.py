@@ -1,12 +1,16 @@
-"""The knife's motion to park: in time, with the limits of its axis, from wherever it is and without turning back."""
+"""The knife comes to rest: its motion to park, without turning back; and the share of a cycle in which it rests."""
 
 from dataclasses import dataclass
 from math import sqrt
 
 from .. import var
+from ..clock import Clock
+from ..master import Master
 from ..motion.jerk_limited import Motion, stopping_distance
+from ..motion.laws import chain_rule
 from ..motion.start import attainable_acceleration
 from ..numerics.grid import floor
+from .cycle import Cycle
 from .knife import Knife
 from .window import PARK_MARGIN
 
@@ -27,12 +31,12 @@ class Parking:
     end: float = 0.0
     passed: float = 0.0
 
-    def plan(
-        self, knife: Knife, now: float, blade: float, position: float, velocity: float, acceleration: float
-    ) -> None:
-        """Plan it from this state; it starts at a time since the step's beginning, s.
+    def plan(self, knife: Knife, cycle: Cycle, master: Master) -> None:
+        """Plan it from where the knife is on its cycle now.
 
         What slows a knife down that turns forwards is no more than what a stop needs, sqrt(2 jerk velocity)."""
+        position, d1, d2, d3 = cycle.at(master.path.reached)
+        velocity, acceleration, _ = chain_rule(d1, d2, d3, master.present_velocity(), master.mean_acceleration())
         up = knife.max_acceleration
         jerk = knife.max_jerk
         start = attainable_acceleration(velocity, acceleration, knife.max_velocity, up, up)
@@ -41,16 +45,12 @@ class Parking:
         stop = position + stopping_distance(velocity, start, up, jerk)
         margin = PARK_MARGIN * knife.turn
         places = -floor(-(stop - margin - knife.park_angle) / knife.spacing)
-        self.blade = blade
+        self.blade = cycle.blade
         self.end = max(knife.park_angle + places * knife.spacing, stop)
         self.passed = floor((position + margin) / knife.spacing)
-        self.motion.move(position, velocity, start, self.end, knife.max_velocity, up, up, jerk)
-        self.motion.clock.start(now)
-
-    def at_end_of_step(self) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk where the motion's clock is."""
-        position, velocity, acceleration, jerk = self.motion.at(self.motion.clock.time)
-        return position, velocity, acceleration, jerk
+        self.motion.start(position, velocity, start)
+        self.motion.move(self.end, knife.max_velocity, up, up, jerk)
+        self.motion.clock.start(master.path.now)
 
     def places_passed(self, knife: Knife, position: float) -> float:
         """How many places of cuts are passed at a position that were not passed before."""
@@ -59,3 +59,60 @@ class Parking:
     def turns_at_end(self, knife: Knife) -> float:
         """How many blades have passed where they cut, beyond `blade`, when the motion is over."""
         return floor(self.end / knife.spacing) + 1.0
+
+
+@dataclass(slots=True)
+class RestTime:
+    """The times of a cycle, from one cut to the next.
+
+    Attributes:
+        has_cut: there has been a cut since the command start.
+        rested: for how long the knife was at rest in this cycle, the present rest apart, s.
+        is_resting: the knife is at rest.
+        cut_clock: the time since the last cut.
+        rest_clock: the time since the present rest began.
+    """
+
+    has_cut: bool = False
+    rested: float = 0.0
+    is_resting: bool = False
+    cut_clock: Clock = var.part(Clock)
+    rest_clock: Clock = var.part(Clock)
+
+    def start(self, now: float) -> None:
+        """The machine starts, with the knife at rest, at a time since the step's beginning, s."""
+        self.has_cut = False
+        self.is_resting = False
+        self.rested = 0.0
+        self.rest(now)
+
+    def rest(self, now: float) -> None:
+        """The knife is at rest from now on."""
+        if not self.is_resting:
+            self.is_resting = True
+            self.rest_clock.start(now)
+
+    def leave(self, now: float) -> None:
+        """The knife is at rest no more, if it was."""
+        if self.is_resting:
+            self.is_resting = False
+            self.rested += self.rest_clock.time + now
+
+    def share(self, now: float, is_late: bool) -> float:
+        """The reserve of the cycle that ends with a cut now; that of a late cut is 0, that of the first one is 1."""
+        if not self.has_cut:
+            return 1.0
+        time = self.cut_clock.time + now
+        if is_late or time <= 0.0:
+            return 0.0
+        return max(0.0, min(self.rested / time, 1.0))
+
+    def cut(self, now: float) -> None:
+        """A cut is made."""
+        self.has_cut = True
+        self.rested = 0.0
+        self.cut_clock.start(now)
+
+    def advance(self, h: float) -> None:
+        self.cut_clock.advance(h)
+        self.rest_clock.advance(h)

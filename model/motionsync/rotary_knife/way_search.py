@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..numerics.bracket import ITERATIONS, Bracket
-from .curves import TURNING_BACK, Peaks, Way
+from .curves import TURNING_BACK, Peaks, Way, admissible_velocity
 from .knife import Knife
-from .velocity import admissible_velocity
 from .window import CurvePoint, Cut
 
 GOLDEN = 0.6180339887498949  # (sqrt(5) - 1) / 2
@@ -43,9 +42,9 @@ class WaySearch:
     way: Way = var.part(Way)
     bracket: Bracket = var.part(Bracket)
 
-    def start(self, parks: bool, begin: float, point: CurvePoint, cut: Cut) -> None:
-        """Set where the ways begin and where they lead to; nothing else counts yet."""
-        self.parks = parks
+    def start(self, begin: float, point: CurvePoint, cut: Cut) -> None:
+        """Set where the ways, which turn on, begin and where they lead to; nothing else counts yet."""
+        self.parks = False
         self.begin = begin
         var.copy(self.point, point)
         var.copy(self.cut, cut)
@@ -63,6 +62,10 @@ class WaySearch:
         if self.way.exists:
             self.way.peaks.include(self.counted.d1, self.counted.d2, self.counted.d3)
             self.velocity = admissible_velocity(knife, self.way.peaks)
+
+    def travel_to(self, place: float) -> float:
+        """Z of the way to a cut at this position of the master, u."""
+        return place - self.cut.window.before - self.begin
 
     def slope_margin(self) -> float:
         """How far the least slope of the way planned last is above the one at which it turns back."""

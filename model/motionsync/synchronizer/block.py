@@ -6,6 +6,7 @@ Source: PAM synchronizer pipe block (1998). README.md in this folder gives the d
 from dataclasses import dataclass
 
 from .. import var
+from ..master_path import MOST_EVENTS
 from ..motion.laws import chain_rule
 from ..numerics.grid import wrap
 from ..slave import Edge
@@ -53,7 +54,6 @@ class Synchronizer(SynchronizerInterface):
     stacked_phasing: float = 0.0
     stacked_rest: float = 0.0
     rest: float = 0.0
-    reached_position: float = 0.0
 
     def initialize(self) -> Refusal:
         """Synchronized at the master; may be called again while parameters and inputs still change."""
@@ -70,10 +70,10 @@ class Synchronizer(SynchronizerInterface):
         """From t to t+h: the correction to the present input, the commands, then the path of the step."""
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
-        self.travel(0)
-        self.obey()
-        for section in range(1, self.master.path.sections):
+        for section in range(self.master.path.sections):
             self.travel(section)
+            if section == 0:
+                self.obey()
         self.set_slave()
         self.show()
         self.rebase()
@@ -150,34 +150,35 @@ class Synchronizer(SynchronizerInterface):
 
     def travel(self, section: int) -> None:
         """Follow a section of the master's path; where a command ends, the stacked one starts."""
-        self.reached_position = self.master.path.positions[section]
-        end = self.master.path.positions[section + 1]
-        while self.try_event(section, end):
-            pass
+        self.master.path.enter(section)
+        for _ in range(MOST_EVENTS):
+            if not self.try_event():
+                break
 
-    def try_event(self, section: int, end: float) -> bool:
-        """Carry out the next event up to the end of the section; False if there is none."""
+    def try_event(self) -> bool:
+        """Carry out the next event of the stage on what is left of the section; False: there is none."""
         match self.stage:
             case Stage.WAITING:
-                return self.try_event_waiting(section, end)
+                return self.try_event_waiting()
             case Stage.RAMPING:
-                return self.try_event_ramping(end)
+                return self.try_event_ramping()
             case _:
                 return False
 
-    def try_event_waiting(self, section: int, end: float) -> bool:
+    def try_event_waiting(self) -> bool:
         """The master comes onto the ramp. A waiting command aims anew wherever the master goes; while it goes against
         the sign of the phasing, it passes the ramp's beginning and nothing starts."""
-        travel = end - self.reached_position
-        is_against = self.master.goes_against(self.transition.direction, section, travel)
-        self.transition.aim(end if is_against else self.reached_position, self.master.period)
-        if is_against or not self.transition.is_on_ramp_at(end, 0.0):
+        path = self.master.path
+        is_against = self.master.goes_against(self.transition.direction)
+        self.transition.aim(path.end if is_against else path.reached, self.master.period)
+        if is_against or not self.transition.is_on_ramp_at(path.end, 0.0):
             return False
         self.enter_ramping()
         return True
 
-    def try_event_ramping(self, end: float) -> bool:
+    def try_event_ramping(self) -> bool:
         """The end of the ramp; or the master is back before its beginning at the end of the section."""
+        end = self.master.path.end
         if self.transition.is_complete_at(end):
             self.complete()
             return True
@@ -191,7 +192,7 @@ class Synchronizer(SynchronizerInterface):
         starting = self.transition.starting
         self.show_ramp()
         self.local.progress = 1.0
-        self.reached_position = self.transition.direction * self.transition.end
+        self.master.path.reached = self.transition.direction * self.transition.end
         self.complete_at(starting, self.transition.commanded_rest())
         if self.stacked:
             self.stacked = False

@@ -137,7 +137,5 @@ class PhasingTransition:
 def half_law(curve: Curve, z: float) -> tuple[float, float, float, float]:
     """First half, 0 <= z <= 1/2, of the chosen law: the ramp is this half, doubled in height and stretched by two."""
     if curve == Curve.PARABOLA:
-        f, f1, f2, f3 = parabola(z)
-    else:
-        f, f1, f2, f3 = polynomial_3_4_5(z)
-    return f, f1, f2, f3
+        return parabola(z)
+    return polynomial_3_4_5(z)

@@ -8,11 +8,10 @@ from typing import Any
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.faults import Fault, Refusal, SawParameter
+from motionsync.cut_to_length.faults import Fault, Refusal
 from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.cutting.faults import PieceFault
 from motionsync.cutting.interface import LateMode, PieceKind, StartMode
-from motionsync.cutting.settings import PieceParameter
 from motionsync_fmu.interface.stepper import RefusedError
 from motionsync_fmu.interface.variables import variables
 from tests.model.cut_to_length.harness import (
@@ -25,8 +24,6 @@ from tests.model.cut_to_length.harness import (
     started_machine,
 )
 from tests.model.cut_to_length.machine_results import GREATEST_VELOCITIES
-
-PARAMETERS = {member.name: member for kind in (SawParameter, PieceParameter) for member in kind}
 
 
 def cell_values(saw: CutToLengthHarness) -> dict[str, str]:
@@ -63,10 +60,23 @@ def test_start_values_that_contradict_one_another(values: dict[str, Any], refusa
     assert set(refusal.names) <= set(by_name)
 
 
-def test_the_reasons_name_variables_of_the_block() -> None:
-    names = {v.name for v in variables(CutToLength())}
-    for kind in (Fault, Refusal, SawParameter, PieceParameter):
-        assert all(set(member.names) <= names for member in kind)
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"home_position": -251.0, "axis.min_position": -250.0}, "home_position"),
+        ({"mark.spacing": 100.0, "mark.window": 50.0}, "mark.window"),
+        ({"material_factor": 1e12, "calibration.factor": 1.5}, "material_factor"),
+    ],
+)
+def test_tuned_values_that_contradict_one_another_are_named_and_a_start_refused(
+    values: dict[str, Any], named: str
+) -> None:
+    saw = idle_machine().set(values).give("start").now()
+    codes = next(v.declaration.codes for v in variables(CutToLength()) if v.name == "local.refused_parameter")
+    assert codes is not None
+    assert [code.description.split()[0] for code in codes if code == saw["local.refused_parameter"]] == [named]
+    assert saw["local.refused_parameter"] > 1000
+    assert (saw.state, saw["error_id"]) == (State.OFF, PieceFault.TUNABLE)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +171,6 @@ def test_no_piece_is_fixed_with_an_invalid_parameter(name: str, invalid: float) 
     assert saw["last.length"] == near(1500.0)
     assert (saw["warning.no_length"], saw["next_cut.known"]) == (True, False)
     assert (saw["error"], saw["error_id"]) == (True, PieceFault.TUNABLE)
-    assert saw["local.refused_parameter"] == PARAMETERS[name.upper()]
     saw.set({name: valid}).now()
     assert (saw["warning.no_length"], saw["next_cut.position"]) == (False, near(2700.0))
 
@@ -194,15 +203,6 @@ def test_no_approach_begins_with_an_invalid_parameter(name: str, invalid: float)
     assert saw["local.refused_parameter"] != 0
     saw.set({name: valid}).watched(5.0)
     assert (saw["last.kind"], saw["last.length"]) == (PieceKind.MERGED, near(3000.0))
-
-
-@pytest.mark.parametrize(
-    ("name", "invalid"), [("front_position", math.nan), ("trim_length", -1.0), ("start_mode", 4), ("start_mode", 0)]
-)
-def test_start_is_refused_with_an_invalid_parameter(name: str, invalid: Any) -> None:
-    saw = idle_machine({"start_mode": StartMode.TRIM}).set({name: invalid}).give("start").now()
-    assert (saw.state, saw["error_id"]) == (State.OFF, PieceFault.TUNABLE)
-    assert saw["local.refused_parameter"] == PARAMETERS[name.upper()]
 
 
 # --- what never comes -------------------------------------------------------------------------------------------------

@@ -53,9 +53,8 @@ def time_in_sync(machine: Machine, velocity: float) -> float:
 
 def way_home(machine: Machine, velocity: float) -> float:
     """T_r, in s."""
-    v, limits = machine.coupling * velocity, (machine.homing_deceleration, machine.homing_jerk, machine.homing_velocity)
     turning = min(machine.homing_acceleration, machine.homing_deceleration)
-    return return_time(v, cut_travel(machine, velocity), turning, *limits)
+    return return_time(machine, machine.coupling * velocity, cut_travel(machine, velocity), turning)
 
 
 QUANTITIES: dict[str, Callable[[Machine, float], float]] = {
@@ -181,10 +180,11 @@ def test_the_way_home_takes_as_long_as_the_carriage_s_own_motion(
     velocity: float, distance: float, acceleration: float, deceleration: float, jerk: float, speed: float
 ) -> None:
     motion = Motion()
-    motion.move(distance, velocity, 0.0, 0.0, speed, acceleration, deceleration, jerk)
-    turning = min(acceleration, deceleration)
+    motion.start(distance, velocity, 0.0)
+    motion.move(0.0, speed, acceleration, deceleration, jerk)
     assume(distance > 0.0 or velocity > 0.0)
-    computed = return_time(velocity, distance, turning, deceleration, jerk, speed)
+    machine = Machine(homing_velocity=speed, homing_deceleration=deceleration, homing_jerk=jerk)
+    computed = return_time(machine, velocity, distance, min(acceleration, deceleration))
     assert computed == pytest.approx(motion.end_time(), rel=1e-12)
 
 
@@ -194,7 +194,8 @@ def test_a_way_home_that_just_leads_to_the_full_speed(more: float) -> None:
     which the rest is covered."""
     distance = 0.5 * (1.0 + more)
     expected = math.sqrt(1.0 + more) if more < 0.0 else 1.0 + 0.5 * more
-    assert return_time(0.0, distance, 1e12, 1.0, 1e30, 1.0) == pytest.approx(expected, rel=1e-11)
+    machine = Machine(homing_velocity=1.0, homing_deceleration=1.0, homing_jerk=1e30)
+    assert return_time(machine, 0.0, distance, 1e12) == pytest.approx(expected, rel=1e-11)
 
 
 @repeatable

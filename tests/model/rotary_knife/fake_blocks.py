@@ -56,10 +56,10 @@ class KnifeGeometry:
             self.ramp_up.solve_ramp_up(knife, self.cut.window)
             self.lengths.solve_shortest(knife, self.cut.window, self.velocity)
             self.way.plan(knife, leaving.after, leaving.end, self.cut, True)
-            self.turning.find_turning(
-                knife, leaving.after, leaving.end, self.cut, self.velocity, self.least, self.pitch
-            )
-            self.parking.find_parking(knife, leaving.after, leaving.end, self.cut, self.velocity, self.least)
+            self.turning.search.start(leaving.after, leaving.end, self.cut)
+            self.turning.find_turning(knife, self.velocity, self.least, self.pitch)
+            self.parking.search.start(leaving.after, leaving.end, self.cut)
+            self.parking.find_parking(knife, self.velocity, self.least)
         position, d1, d2, d3 = self.way.first.at(self.place)
         self.slave.set(position, d1, d2, d3)
         return 0

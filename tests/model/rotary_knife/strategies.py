@@ -3,10 +3,11 @@
 from random import Random
 from typing import Any
 
+from motionsync.cutting.interface import CuttingWarnings
 from motionsync.motion.exceeded_limit import Limit
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import SkipReason
-from motionsync.rotary_knife.interface import State, SyncMode, Warnings
+from motionsync.rotary_knife.interface import State, SyncMode
 from tests.support import cutting_runs
 from tests.support.cutting_runs import COMMANDS, CuttingMachine
 from tests.support.runs import Strategy
@@ -73,7 +74,7 @@ STRATEGY = Strategy(
     features,
     frozenset(
         {
-            *cutting_runs.required_features(State, Warnings),
+            *cutting_runs.required_features(State, CuttingWarnings),
             *(("in sync", mode) for mode in SyncMode),
             *(("skipped", reason) for reason in SkipReason),
             *(("exceeded", limit) for limit in KNIFE_LIMITS),

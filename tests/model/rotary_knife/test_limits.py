@@ -8,10 +8,9 @@ from hypothesis import strategies as st
 
 from motionsync.cutting.piece import UNLIMITED
 from motionsync.motion.laws import chain_rule
-from motionsync.rotary_knife.curves import Peaks
+from motionsync.rotary_knife.curves import Peaks, admissible_velocity, keeps_limits
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.limits import NO_LENGTH, CycleLimit, EarliestCut, LengthLimits
-from motionsync.rotary_knife.velocity import admissible_velocity, keeps_limits
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window, leaves_way
 from tests.model.rotary_knife.fake_blocks import KnifeGeometry
 from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
@@ -285,10 +284,11 @@ def test_the_earliest_cut_that_is_reached_by_turning_on(case: Case, place: float
     cycle.solve_piece(case.knife, window, window, lengths.fastest)
     velocity = share * cycle.max_line_velocity
     begin = window.after + place * (lengths.fastest - case.around)
-    earliest, cut = EarliestCut(), Cut(0.0, case.knife.spacing, window)
+    earliest = EarliestCut()
     point = CurvePoint(*cycle.way.first.at(begin))
     first = begin + least * (cycle.way.first.end - begin) + window.before
-    earliest.find_turning(case.knife, begin, point, cut, velocity, first, UNLIMITED)
+    earliest.search.start(begin, point, Cut(0.0, case.knife.spacing, window))
+    earliest.find_turning(case.knife, velocity, first, UNLIMITED)
 
     def cut_after(z: Number) -> ExactCut:
         return ExactCut(case.exact_window, mp.mpf(begin) + z + case.exact_window.before, case.spacing)
@@ -312,8 +312,8 @@ def test_the_earliest_cut_that_is_reached_by_parking(case: Case, least: float, s
     velocity = share * admissible_velocity(case.knife, cycle.way.peaks)
     first = window.after + least * ramps + window.before
     earliest = EarliestCut()
-    cut = Cut(0.0, case.knife.spacing, window)
-    earliest.find_parking(case.knife, window.after, window.end, cut, velocity, first)
+    earliest.search.start(window.after, window.end, Cut(0.0, case.knife.spacing, window))
+    earliest.find_parking(case.knife, velocity, first)
     exact = case.exact_window
     departure = Departure(case.exact_knife, exact.after, exact.at(exact.after), mp.mpf(velocity), None)
     z = mp.mpf(first) - exact.after - exact.before
@@ -325,18 +325,20 @@ def test_the_earliest_cut_that_is_reached_by_parking(case: Case, least: float, s
 
 def test_a_cut_now_is_made_where_the_present_cut_would_have_been_no_later() -> None:
     """Turning on to a piece of 900 at 500 mm/s, from its window's end: at that velocity the shortest one is 183.3."""
-    earliest, cut = EarliestCut(), Cut(0.0, 360.0, WINDOW)
-    earliest.find_turning(REFERENCE, 30.0, WINDOW.end, cut, 500.0, 0.0, 900.0)
+    earliest = EarliestCut()
+    earliest.search.start(30.0, WINDOW.end, Cut(0.0, 360.0, WINDOW))
+    earliest.find_turning(REFERENCE, 500.0, 0.0, 900.0)
     assert earliest.exists
     assert earliest.search.cut.place == pytest.approx(183.312645, abs=5e-7)
-    earliest.find_turning(REFERENCE, 30.0, WINDOW.end, cut, 500.0, 0.0, 183.0)
+    earliest.find_turning(REFERENCE, 500.0, 0.0, 183.0)
     assert not earliest.exists
 
 
 def test_a_knife_that_must_not_park_reaches_nothing_out_of_rest() -> None:
     earliest = EarliestCut()
     knife = Knife(may_park=False)
-    earliest.find_parking(knife, 30.0, WINDOW.end, Cut(0.0, 360.0, WINDOW), 500.0, 900.0)
+    earliest.search.start(30.0, WINDOW.end, Cut(0.0, 360.0, WINDOW))
+    earliest.find_parking(knife, 500.0, 900.0)
     assert not earliest.exists
 
 

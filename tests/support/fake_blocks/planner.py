@@ -26,23 +26,25 @@ class Planner:
     jerk: float = 0.0
 
     def initialize(self) -> Refusal:
-        self.motion.run_at(self.given[0], self.given[1])
+        self.motion.start(self.given[0], self.given[1], 0.0)
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
         x = self.given
+        if self.kind > 0:
+            self.motion.start(x[0], x[1], x[2])
         match self.kind:
             case 1:
-                self.motion.move(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
+                self.motion.move(x[3], x[4], x[5], x[6], x[7])
             case 2:
-                self.reached = self.motion.try_change(x[0], x[1], x[2], x[3], x[4], -x[5], x[6], x[7])
+                self.reached = self.motion.try_change(x[3], x[4], -x[5], x[6], x[7])
             case 3:
-                self.motion.halt(x[0], x[1], x[2], x[6], x[7])
+                self.motion.halt(x[6], x[7])
             case _:
                 pass
         for _ in range(self.steps):
             self.motion.advance(h)
-        p, v, a, j = self.motion.at(self.motion.clock.time)
+        p, v, a, j = self.motion.at(0.0)
         self.position = p
         self.velocity = v
         self.acceleration = a

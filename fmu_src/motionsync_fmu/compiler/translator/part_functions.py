@@ -61,7 +61,7 @@ class PartFunctions:
                     call = f"{self.names.part_functions[FIRST_INVALID, kind]}(&a->{member})"
                     yield f"if ((n = {call}) != 0) return {number} + n;"
                     number += count
-            elif is_tunable(metadata):
+            elif is_numbered(kind, metadata):
                 number += 1
                 if test := self.range_test(kind, metadata["declaration"], f"a->{member}"):
                     yield f"if (!({test})) return {number};"
@@ -78,11 +78,11 @@ class PartFunctions:
         return kind != "list" and self.package.is_object(kind)
 
     def count_tunables(self, node: ast.ClassDef, metadata: Any) -> int:
-        """How many tunable parameters are numbered in a part."""
+        """How many parameters are numbered in a part."""
         if metadata.get("hidden"):
             return 0
         return sum(
-            self.count_tunables(kind, inner) if self.is_part(kind) else is_tunable(inner)
+            self.count_tunables(kind, inner) if self.is_part(kind) else is_numbered(kind, inner)
             for _, kind, inner in self.members(node)
         )
 
@@ -93,8 +93,6 @@ class PartFunctions:
             if numbers == list(range(numbers[0], numbers[-1] + 1)):
                 return f"{numbers[0]} <= {value} && {value} <= {numbers[-1]}"
             return " || ".join(f"{value} == {n}" for n in numbers)
-        if kind == "bool":
-            return ""
         low, high = declaration.ends
         if kind == "int":
             tests = [(low, f"{low:.0f} <= {value}"), (high, f"{value} <= {high:.0f}")]
@@ -105,6 +103,7 @@ class PartFunctions:
         return f"{literal(low)} <= {value} && {value} <= {literal(high)}{least}"
 
 
-def is_tunable(metadata: Any) -> bool:
+def is_numbered(kind: Kind, metadata: Any) -> bool:
+    """Whether a field is a tunable parameter that some value is out of the range of."""
     declaration = metadata.get("declaration")
-    return declaration is not None and declaration.tunable
+    return kind != "bool" and declaration is not None and declaration.tunable

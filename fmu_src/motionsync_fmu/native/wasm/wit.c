@@ -53,37 +53,27 @@ static void release(void *address) {
 
 Memory system_memory(void) { return (Memory){allocate, release}; }
 
-/* Memory for arguments and results: allocated piece by piece, released as a whole when the results of a call have been
- * read. */
-typedef struct Chunk {
-    struct Chunk *next;
-    size_t size; /* its head included */
-} Chunk;
-static Chunk *chunk;
-static size_t used_in_chunk;
+/* Memory for arguments and results: the blocks of one call, released when its results have been read. Nothing is aligned to
+ * more than ALIGNED. */
+typedef struct CallBlock {
+    struct CallBlock *next;
+} CallBlock;
+static CallBlock *call_blocks;
 
 OUT("cabi_realloc") void *allocate_for_call(void *old, size_t size, size_t align, size_t new_size) {
-    used_in_chunk = (used_in_chunk + align - 1) & -align;
-    if (!chunk || used_in_chunk + new_size > chunk->size) { /* what has been allocated stays in its chunk */
-        size_t required = sizeof *chunk + align + new_size, all = required > PAGE ? required : PAGE;
-        Chunk *next_chunk = allocate(1, all);
-        if (!next_chunk) __builtin_trap();
-        *next_chunk = (Chunk){chunk, all};
-        chunk = next_chunk;
-        used_in_chunk = (sizeof *chunk + align - 1) & -align;
-    }
-    uint8_t *address = (uint8_t *)chunk + used_in_chunk;
-    used_in_chunk += new_size;
+    CallBlock *block = allocate(1, ALIGNED + new_size);
+    if (!block) __builtin_trap();
+    block->next = call_blocks;
+    call_blocks = block;
+    uint8_t *address = (uint8_t *)block + ALIGNED;
     return old ? memcpy(address, old, size < new_size ? size : new_size) : address;
 }
 
 static void release_after_call(void) {
-    while (chunk && chunk->next) {
-        Chunk *next = chunk->next;
-        release(chunk);
-        chunk = next;
+    for (CallBlock *block; (block = call_blocks);) {
+        call_blocks = block->next;
+        release(block);
     }
-    used_in_chunk = sizeof *chunk;
 }
 
 /* --- messages: the environment of a unit is its name --- */

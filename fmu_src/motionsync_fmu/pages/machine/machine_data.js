@@ -205,33 +205,26 @@ function belt(run, picture) {
   const pitches = (pieces ?? []).map(({begin, end}) => end - begin).sort((a, b) => a - b);
   const middle = pitches.length ? (pitches[(pitches.length - 1) >> 1] + pitches[pitches.length >> 1]) / 2 : 0;
   const drawn = carriage(run, down, ratio, spec ? spec.length : middle);
-  const scene = {
+  return {
     ...drawn,
     tool: picture.tool,
     marks: marksOf(run, picture, {spec, pieces, span: drawn.span}),
-    cuts: spec ? cutsOf(run) : [],
     home: homeOf(run, picture),
     zone: picture.zone
       ? picture.zone.map((name) => run.start(name))
       : zone(run, picture.in_sync ? run.where(picture.in_sync) : down),
-  };
-  if (!pieces) return scene;
-  return {
-    ...scene,
-    cuts: pieces.map(({cut, reported, end}) => ({
-      begin: cut ? cut[0] : reported,
-      end: cut ? cut[1] : reported,
-      place: end,
-      mark: end,
-    })),
-    ...drawnPieces(run, pieces),
+    ...(pieces ? drawnPieces(run, pieces, ({cut}) => cut) : {cuts: spec ? cutsOf(run) : []}),
   };
 }
 
-/** The pieces, and the velocity that the block asks the line for. */
-function drawnPieces(run, pieces) {
+/** The pieces, their cuts, and the velocity that the block asks the line for; `times`: when the cut of a piece begins and ends. */
+function drawnPieces(run, pieces, times) {
   return {
     pieces: pieces.map(({cut, reported, sync, ...shown}) => shown),
+    cuts: pieces.map((piece) => {
+      const [begin, end] = times(piece);
+      return {begin, end, place: piece.end, mark: piece.end};
+    }),
     request: run.heldOf(run.block.piece_variables.request),
   };
 }
@@ -286,15 +279,9 @@ function toolTravel(run, names) {
   if (!names.cut_spacing) return slave;
   const spacings = run.values(names.cut_spacing), radii = run.values(names.edge_radius);
   return slave.map((s, k) => {
-    const travel = s - spacings[k] * roundedToEven(s / spacings[k]);
+    const travel = s - spacings[k] * Math.round(s / spacings[k]);
     return radii[k] > 0 ? radii[k] * Math.sin(travel / radii[k]) : travel;
   });
-}
-
-/** The nearest whole number, of two the even one. */
-function roundedToEven(x) {
-  const low = Math.floor(x), above = x - low;
-  return above < 0.5 || (above === 0.5 && low % 2 === 0) ? low : low + 1;
 }
 
 /** The pieces of a run, in the order in which they were cut off. */
@@ -318,7 +305,7 @@ function piecesOf(run) {
     const last =
       rise === 1 && pieces.length && running.subarray(before, at + 1).every((x) => x !== 0) ? pieces.at(-1) : null;
     const begin = last ? last.end : end - (length + (removed[at] + correction[at])) / (material[at] * calibration[at]);
-    const cut = seen ? [run.time[first], run.time[at - 1]] : null;
+    const cut = seen ? [run.time[first], run.time[at - 1]] : [run.time[at], run.time[at]];
     const sync = run.values(names.time)[at];
     pieces.push({number: total, begin, end, kind, name: kinds.get(kind), length, cut, sync, reported: run.time[at]});
     before = at;
@@ -390,8 +377,7 @@ function cylinder(run, picture) {
     in_sync: run.held(run.where(picture.in_sync)),
     fastest: Math.max(edge, Math.abs(ratio) * furthest(run.course.axis(1))),
     marks: {next: run.held(nextCuts(run, picture, pieces)), shown: run.heldOf(picture.next_cut_shown)},
-    cuts: pieces.map(({sync, end}) => ({begin: sync, end: sync, place: end, mark: end})),
-    ...drawnPieces(run, pieces),
+    ...drawnPieces(run, pieces, ({sync}) => [sync, sync]),
   };
 }
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import UserError
 from ...scenario.recording import Reals
-from .database import Answer, Column, ColumnKind, Database
+from ..database import Answer, Column, ColumnKind, Database
 
 DISTINCT = 4000  # a column with more values than this is divided evenly, whatever its values are
 RUNS_A_CELL = 8  # on average, of a plane that is divided evenly

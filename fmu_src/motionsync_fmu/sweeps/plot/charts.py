@@ -12,9 +12,9 @@ from ...pages.report.chart import INK, PAPER, Chart, Style
 from ...pages.style import typeset
 from ...scenario.evaluate.time_series import true_stretches
 from ...scenario.recording import Reals
+from ..database import Answer, Column
 from .cells import Axis, CellStatistic
 from .curves import Boundary
-from .database import Answer, Column
 from .example_runs import ExampleRuns
 
 SHARE = ((0.0, "--share-0"), (0.5, "--share-1"), (1.0, "--share-2"))

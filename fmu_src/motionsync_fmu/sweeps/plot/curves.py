@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..database import Answer, Column, Database
 from .cells import Axis
-from .database import Answer, Column, Database
 
 PASSED = "passed"  # the column with whether a run was as expected
 

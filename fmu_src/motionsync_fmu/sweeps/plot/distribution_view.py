@@ -11,11 +11,11 @@ from ...errors import UserError
 from ...pages.report.histogram import Histogram, bar_borders
 from ...scenario.engineering import engineering
 from ..conditions import RowCondition
+from ..database import Answer, Column, ColumnKind, Database
 from ..distribution import MOST, SHARES, Distribution, find_distribution
 from ..result_columns import TRUE_LENGTH_ERRORS, TRUE_PIECES
 from ..table import Rows
 from .cells import Axis
-from .database import Answer, Column, ColumnKind, Database
 from .example_runs import ExampleRuns
 from .view import Question, count_runs
 
@@ -128,7 +128,7 @@ def build_distribution(db: Database, rows: Rows, question: Question) -> Distribu
     column = db.column("--x", question.x)
     if column.kind not in (ColumnKind.NUMBER, ColumnKind.LIST):
         raise UserError(f"--x {column.name}: this column has {column.kind.value}; --x takes one with numbers")
-    values = find_distribution(rows, column.name)
+    values = find_distribution(db, column.name)
     if values is None:
         raise UserError(f"{column.name} has no value in any run")
     x, bars = _bars(db, column, values)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...pages.style import typeset
-from .database import Column, ColumnKind, Database
+from ..database import Column, ColumnKind, Database
 from .packing import numbers_packed, texts_packed
 
 ALWAYS_SHOWN = ("passed", "refusal", "first_broken")  # of each run, if the rows have it

@@ -1,7 +1,6 @@
 """The HTML page of a sweep, and the data that its script needs."""
 
 import shlex
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +15,15 @@ from ...pages.report.page import plotly_script
 from ...pages.style import load_template, typeset
 from ...paths import replace_file
 from ...scenario.files.shipped import scenario_name
+from ..database import Database
 from ..sweep_plan import SCENARIO, SweepPlan
 from ..table import Rows
 from . import texts
 from .cells import Axis
 from .charts import boundary_chart, boundary_line, comparison_lines, curves_chart, front_line, map_chart
-from .database import Database
 from .distribution_view import (
     HEIGHT,
     DistributionView,
-    Table,
     build_distribution,
     distribution_figures,
     distribution_text,
@@ -42,36 +40,10 @@ LINES = (  # colours of lines, on a light page and on a dark one
 ROWS = 25  # of the table of a front
 
 
-@dataclass(frozen=True)
-class Section:
-    """A chart with its heading, what it shows, and names with their colours."""
-
-    title: str
-    text: str
-    chart: Markup
-    key: list[tuple[str, str]] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class Content:
-    """What a page has of a question's answer.
-
-    Attributes:
-        figures: names, values and notes.
-        front: runs of the Pareto front; `front_columns`: what their numbers are.
-        left_out: what the page does not show, a sentence each.
-        script: what the page's script needs.
-    """
-
-    title: str
-    passing: str
-    figures: list[tuple[str, str, str]]
-    sections: list[Section]
-    left_out: list[str]
-    script: dict[str, Any]
-    front: list[tuple[int, int, str, str]] = field(default_factory=list)
-    front_columns: list[str] = field(default_factory=list)
-    tables: list[Table] = field(default_factory=list)
+Content = dict[str, Any]
+"""What a page has of a question's answer, as its template names it; `script`: what the page's script needs."""
+Section = tuple[str, str, Markup, list[tuple[str, str]]]
+"""A chart with its heading, what it shows, the chart itself, and names with their colours."""
 
 
 def make_page(folder: Path, question: Question, file: Path | None = None) -> Path:
@@ -98,9 +70,9 @@ def write_page(file: Path, folder: Path, plan: SweepPlan, content: Content) -> N
     """Write the page; it loads nothing from elsewhere. `folder`: that of the sweep."""
     scenario = plan.variation.scenario
     scenario_file = repeated(folder, plan)
-    data = {"command": f"motionsync run {shlex.quote(scenario_file)}"} | content.script
+    data = {"command": f"motionsync run {shlex.quote(scenario_file)}"} | content.pop("script")
     text = load_template(TEMPLATES, "sweep.html.j2").render(
-        content=content,
+        **content,
         lead=f"A sweep of {texts.counted(plan.runs)} of {scenario.recipe.name}: {scenario.title}.",
         varied=[(factor.name, factor.text) for factor in plan.factors],
         origin=texts.origin(plan, scenario_file),
@@ -114,16 +86,17 @@ def write_page(file: Path, folder: Path, plan: SweepPlan, content: Content) -> N
 
 def _view_content(plan: SweepPlan, db: Database, view: View) -> Content:
     sections, paint = _sections(view)
-    return Content(
-        texts.title(view),
-        texts.passing(view.condition),
-        texts.figures(view),
-        sections,
-        texts.left_out(plan, view),
-        _data(db, view) | {"paint": paint},
-        _front_rows(view),
-        [view.x.column.title, view.y.title],
-    )
+    return {
+        "title": texts.title(view),
+        "passing": texts.passing(view.condition),
+        "figures": texts.figures(view),
+        "sections": sections,
+        "left_out": texts.left_out(plan, view),
+        "script": _data(db, view) | {"paint": paint},
+        "front": _front_rows(view),
+        "front_columns": [view.x.column.title, view.y.title],
+        "tables": [],
+    }
 
 
 def _distribution_content(plan: SweepPlan, db: Database, view: DistributionView) -> Content:
@@ -134,21 +107,22 @@ def _distribution_content(plan: SweepPlan, db: Database, view: DistributionView)
     chart.traces[0]["customdata"] = [list(places.get(bar, (0, -1))) for bar in range(len(view.x))]
     chart.layout["meta"] |= {"role": "curves", "groups": "", "shows": {"what": f"{view.counted}: ", "unit": ""}}
     condition_columns = [db.columns[name] for name in view.condition.columns] if view.condition else []
-    return Content(
-        f"Distribution of the {view.name}",
-        texts.passing(view.condition),
-        [*texts.run_figures(view.runs), *distribution_figures(view)],
-        [Section(title, distribution_text(view), chart.html())],
-        texts.left_out_of_distribution(plan, view.column, view.runs),
-        {
+    return {
+        "title": f"Distribution of the {view.name}",
+        "passing": texts.passing(view.condition),
+        "figures": [*texts.run_figures(view.runs), *distribution_figures(view)],
+        "sections": [(title, distribution_text(view), chart.html(), [])],
+        "left_out": texts.left_out_of_distribution(plan, view.column, view.runs),
+        "script": {
             "x": _packed_axis(view.x) | {"name": view.name},
             "runs": view.examples.packed(db, [*condition_columns, *view.shown_columns(db)]),
             "by_expectations": not view.condition,
             "statistic": None,
             "map": None,
         },
-        tables=[*view.tables()],
-    )
+        "front": [],
+        "tables": [*view.tables()],
+    }
 
 
 def repeated(folder: Path, plan: SweepPlan) -> str:
@@ -183,7 +157,7 @@ def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
             boundary_line(chart, x, view.overall)
         if view.front:
             front_line(chart, view.front, view.examples)
-        sections.append(Section(title, text, chart.html(), texts.map_key(view, paint)))
+        sections.append((title, text, chart.html(), texts.map_key(view, paint)))
     return sections, paint
 
 
@@ -239,4 +213,4 @@ def _front_rows(view: View) -> list[tuple[int, int, str, str]]:
 def _section(chart: Chart, title: str, text: str, what: str, unit: str) -> Section:
     """`what`: what a point of the chart is, as the script shows it before the value."""
     chart.layout["meta"]["shows"] = {"what": what, "unit": typeset(unit)}
-    return Section(title, text, chart.html())
+    return title, text, chart.html(), []

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from ...errors import UserError
+from ..database import Answer, Column, Database
 from .curves import PASSED
-from .database import Answer, Column, Database
 
 BETTER = {"min": 1, "max": -1}  # the sign with which less is better
 

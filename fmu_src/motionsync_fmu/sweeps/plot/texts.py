@@ -10,11 +10,11 @@ from ...pages.report.origin import current_time, describe_platform
 from ...pages.style import with_unit
 from ...scenario.variation.values import is_seed
 from ..conditions import RowCondition
+from ..database import Column, ColumnKind
 from ..sweep_plan import SweepPlan
 from .cells import Axis
 from .charts import NO_VALUE, OTHER, TEXTS
 from .curves import PASSED
-from .database import Column, ColumnKind
 from .view import View
 
 SPACE = "\N{NARROW NO-BREAK SPACE}"

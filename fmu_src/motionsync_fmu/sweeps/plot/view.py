@@ -7,9 +7,9 @@ from math import sqrt
 from ...errors import UserError
 from ...pages.numbers import evenly_spaced
 from ..conditions import RowCondition
+from ..database import Answer, Column, ColumnKind, Database
 from .cells import FEWEST, Axis, CellStatistic, choose_statistic, divide_into_cells, plane
 from .curves import PASSED, Boundary, boundary, curves
-from .database import Answer, Column, ColumnKind, Database
 from .example_runs import ExampleRuns
 from .packing import SEVERAL
 from .pareto_front import better, front

@@ -18,7 +18,7 @@ class State(Enumeration):
 
 @dataclass(slots=True)
 class ShifterInterface:
-    """All variables, in the order in which the FMU lists them."""
+    """All variables."""
 
     master: Master = var.part(Master)
     apply: bool = var.command(False, "rising edge: take the offset")

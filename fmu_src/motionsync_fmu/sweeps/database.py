@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import duckdb
-import numpy as np
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ...errors import UserError, choose
-from ...pages.style import with_unit
-from ..conditions import Comparison, RowCondition
+from ..errors import UserError, choose
+from ..pages.style import with_unit
+from .conditions import Comparison, RowCondition
 
 CODES = ("fault",)  # numbers that are names: nobody asks for their mean; 0 is none
 NOTHING: Mapping[str, str] = {}
@@ -122,8 +121,8 @@ class Database:
             UserError: a part is damaged.
         """
         with self._name_damaged_part():
-            columns = self.connection.execute(query).fetchnumpy()
-        return {name: _filled(values) for name, values in columns.items()}
+            table = self.connection.sql(query).to_arrow_table()
+        return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
     def do(self, query: str) -> None:
         """Make a table or a view.
@@ -202,14 +201,3 @@ def _text(text: str) -> str:
 
 def _kind(declared: str) -> ColumnKind:
     return {TRUTH: ColumnKind.TRUTH, TEXT: ColumnKind.TEXT, LIST: ColumnKind.LIST}.get(declared, ColumnKind.NUMBER)
-
-
-def _filled(values: Any) -> NDArray[Any]:
-    """The values without a mask: NaN or None in its place."""
-    if not isinstance(values, np.ma.MaskedArray):
-        return np.asarray(values)
-    filled: NDArray[Any] = np.array(values.data, object if values.dtype == object else float)
-    if not np.any(values.mask):
-        return np.asarray(values.data)
-    filled[values.mask] = None if values.dtype == object else np.nan
-    return filled
