@@ -1,18 +1,15 @@
 """What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
 import gc
-import inspect
 import os
 import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import CodeType, FunctionType
 from typing import Any
 
 import pytest
-from hypothesis import is_hypothesis_test, settings
-from hypothesis.internal import entropy
+from hypothesis import is_hypothesis_test
 from hypothesis.internal.conjecture import providers
 
 from motionsync.blocks import BLOCKS
@@ -20,6 +17,7 @@ from motionsync_fmu import cli, paths
 from motionsync_fmu.pages import progress
 from tests.support.by_block import block_folder
 from tests.support.command_line import Command, Outcome
+from tests.support.drawn import draw_times
 from tests.support.fmus import Fmus, Shared
 
 SOAK = 10  # as many random examples in the long form
@@ -28,11 +26,9 @@ FOLDER = Path(__file__).parent
 OWN_FOLDERS = {FOLDER / "model" / block_folder(name) for name in BLOCKS}
 
 
-# Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, and with the seed of
-# `repeat_examples`, random runs depend neither on which tests run together nor on the source: a rename changes none.
+# Hypothesis mixes numbers from the project's loaded modules into what it draws; there is no option for that. Without
+# them random runs depend neither on which tests run together nor on the source.
 providers._get_local_constants = lambda: providers._local_constants
-# No test draws from NumPy's global generator: its state need not be saved and restored for each example.
-entropy.NP_RANDOM = entropy.random
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -50,6 +46,7 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    draw_times(1 / 10 if config.getoption("--quick") else SOAK if config.getoption("--soak") else 1)
     for package in sorted(path.parent.name for path in FOLDER.glob("*/__init__.py")):
         config.addinivalue_line("markers", f"{package}: a test in tests/{package}")
     gc.disable()  # modules and tests stay until the end: to look for garbage among them takes a third of the collection
@@ -72,16 +69,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.path.parent != FOLDER:
             item.add_marker(item.path.relative_to(FOLDER).parts[0])
-        repeat_examples(item)
     selected = list(items)
     if config.getoption("--quick"):
         selected = [item for item in selected if not is_slow(item) and not needs_fmu(item)]
-        for item in selected:
-            scale_examples(item, 1 / 10)
     if config.getoption("--soak"):
         selected = [item for item in selected if has_long_form(item)]
-        for item in selected:
-            scale_examples(item, SOAK)
     if block := config.getoption("--block"):
         folders = {block_folder(name): name for name in BLOCKS}
         if block not in folders:
@@ -113,46 +105,15 @@ def belongs_to_block(item: pytest.Item, block: str, name: str) -> bool:
 
 def concerns_block(item: pytest.Item, name: str) -> bool:
     """Whether a test concerns a registered block: it belongs to the block, or it goes over all blocks by itself."""
-    goes_over_all = "blocks" in getattr(item, "fixturenames", ()) or (
-        isinstance(item, pytest.Function) and names_all_blocks(item.function)
-    )
+    goes_over_all = item.get_closest_marker("all_blocks") or "blocks" in getattr(item, "fixturenames", ())
     return belongs_to_block(item, block_folder(name), name) or (
         goes_over_all and not any(other in item.name for other in BLOCKS)
     )
 
 
-def names_all_blocks(function: FunctionType) -> bool:
-    """Whether a test, or a function of its module that it calls, names BLOCKS."""
-    names, codes = set[str](), [inspect.unwrap(function).__code__]
-    for code in codes:  # also those of its inner functions, which are appended meanwhile
-        names |= set(code.co_names)
-        codes += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
-    module = function.__globals__
-    called = (module.get(name) for name in names)
-    own = (f for f in called if isinstance(f, FunctionType) and f is not function and f.__globals__ is module)
-    return "BLOCKS" in names or any(map(names_all_blocks, own))
-
-
-def repeat_examples(item: pytest.Item) -> None:
-    """Draw from a fixed seed where a test asks for the same examples every time; `derandomize` alone takes its text."""
-    test = getattr(item, "obj", None)
-    if is_hypothesis_test(test) and test._hypothesis_internal_use_settings.derandomize:
-        test._hypothesis_internal_use_seed = 0
-
-
 def has_long_form(item: pytest.Item) -> bool:
     """Whether a test draws random examples, or asks how many runs, calls or numbers it has to try."""
     return is_hypothesis_test(getattr(item, "obj", None)) or "soak" in getattr(item, "fixturenames", ())
-
-
-def scale_examples(item: pytest.Item, factor: float) -> None:
-    """Run so many times as many random examples, at least 5. A profile of Hypothesis would not change a test's own
-    number."""
-    test = getattr(item, "obj", None)
-    if is_hypothesis_test(test):
-        full = test._hypothesis_internal_use_settings
-        number = max(round(full.max_examples * factor), 5)
-        test._hypothesis_internal_use_settings = settings(full, max_examples=number)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

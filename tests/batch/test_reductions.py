@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -20,6 +20,7 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import variables
+from tests.support.drawn import drawn
 from tests.support.fake_blocks.divider import Divider
 from tests.support.random_runs import draw_runs
 
@@ -75,7 +76,7 @@ def check(result: BatchResult, step_sizes: Values, initial: dict[str, list[float
 # --- the bits ---
 
 
-@settings(max_examples=40, deadline=None)
+@drawn(40, anew=True)
 @given(st.data())
 def test_measures_have_the_bits_of_all_values_reduced(data: st.DataObject) -> None:
     """Of each type; with equal extremes, zeros of both signs, numbers beyond all sums, what is no number, failures."""
@@ -277,6 +278,7 @@ def test_a_measure_that_is_not_allowed_is_reported_before_anything_runs(reduce: 
     assert str(error.value).startswith(message)
 
 
+@pytest.mark.all_blocks
 def test_each_nth_value_needs_runs_of_equal_steps() -> None:
     with pytest.raises(
         UserError, match=r"^state: the measure 'every:3' is not allowed: the runs differ in their steps$"

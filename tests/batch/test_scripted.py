@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -25,18 +25,12 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import OutputCondition, Reaction, Setting
 from tests import ROOT
+from tests.support.drawn import drawn
 from tests.support.recordings import assert_as_in_python, assert_same, run_compiled, run_interpreted
 
 CYCLIC_CUT = ROOT / "scenarios/FlyingSaw/cyclic_cut/scenario.toml"
 DRIVEN = ROOT / "scenarios/CutToLength/cyclic_orders/scenario.toml"
 REMOTE = ROOT / "scenarios/RemoteSync/fast_sender_jitter/scenario.toml"
-# Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
-LONG = settings(
-    deadline=None,
-    phases=[Phase.explicit, Phase.reuse, Phase.generate],
-    suppress_health_check=list(HealthCheck),
-    print_blob=True,
-)
 
 
 def scenarios_of(block: str) -> Iterator[list[Scenario]]:
@@ -191,13 +185,13 @@ def saws(draw: st.DrawFn) -> Scenario:
     )
 
 
-@settings(LONG, max_examples=50)
+@drawn(50, anew=True, shrink=False)
 @given(scenario=saws())
 def test_random_programs_give_the_bits_of_python(scenario: Scenario) -> None:
     assert_as_in_python(scenario)
 
 
-@settings(LONG, max_examples=15)
+@drawn(15, anew=True, shrink=False)
 @given(
     step_size=st.sampled_from([0.002, 0.0013, 0.0007]) | st.floats(3e-4, 0.002),
     cycle=st.floats(0.0005, 0.01),

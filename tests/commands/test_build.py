@@ -18,6 +18,7 @@ from tests.support.workshop import FLAVOURS, PYTHON, STOP, description, scenario
 NATIVE = ("--flavour", "native", "--output", "made")
 
 
+@pytest.mark.all_blocks
 def test_build_without_a_name_builds_every_block(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is built of each is another test's; the next one builds both flavours, of one block."""
 

@@ -49,6 +49,7 @@ OF_RICH = {"rich", "markdown_it", "mdurl", "pygments"}
         ),
     ],
 )
+@pytest.mark.all_blocks
 def test_a_command_loads_no_library_that_it_does_not_need(arguments: tuple[str, ...], needed: set[str]) -> None:
     """Those of runs and pictures take a second to load, the console's a third of what the help takes, and pydantic, on
     which typer depends, a third of what the list takes; a fresh interpreter shows what a command has loaded. Only the

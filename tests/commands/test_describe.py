@@ -64,6 +64,7 @@ def test_describe_lists_the_fault_codes(motionsync: Command, name: str) -> None:
             assert re.search(rf"^  {fault.value} .*{fault.name}: {re.escape(fault.description)}$", codes, re.MULTILINE)
 
 
+@pytest.mark.all_blocks
 def test_describe_fits_a_terminal_of_80_columns(monkeypatch: pytest.MonkeyPatch, motionsync: Command) -> None:
     monkeypatch.setattr(console.out, "_force_terminal", True)
     monkeypatch.setattr(console.out, "_width", 80)

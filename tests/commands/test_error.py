@@ -24,6 +24,7 @@ def test_error_explains_a_code(motionsync: Command, arguments: tuple[str, ...]) 
 
 
 @pytest.mark.parametrize("number", range(1, 15))
+@pytest.mark.all_blocks
 def test_the_meanings_of_a_number_are_grouped_by_block(motionsync: Command, number: int) -> None:
     """Each block comes once, in the sequence of `motionsync list`, with all its meanings, that of its error_id first;
     named alone it has these and no others. Each of these numbers is a code of several blocks."""

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.variables import summary
 from tests import ROOT
@@ -10,6 +12,7 @@ from tests.support.command_line import Command
 from tests.support.workshop import STOP, scenario
 
 
+@pytest.mark.all_blocks
 def test_list_counts_the_scenarios_of_each_block(motionsync: Command) -> None:
     outcome = motionsync("list")
     assert (outcome.status, outcome.err) == (0, "")

@@ -11,7 +11,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu import new, plan_line, run, search
@@ -21,6 +21,7 @@ from motionsync_fmu.paths import PART, replace_files
 from motionsync_fmu.sweeps.search_output import write_csv
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests.support.command_line import Command
+from tests.support.drawn import drawn
 from tests.support.workshop import PYTHON, STOP, scenario
 
 resource = pytest.importorskip("resource", reason="Windows has no limit of the size of files")
@@ -147,7 +148,7 @@ WRITERS = ["several files", "a file", "results", "a report", "a plan", "boundari
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the process that is killed is a copy of this one")
 @pytest.mark.parametrize("name", [*WRITERS, "a sweep's plan", "a reference"])
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@drawn(10, anew=True)
 @given(share=st.floats(0.0, 1.2), before=st.booleans())
 def test_a_file_is_whole_or_as_it_was_wherever_the_process_is_killed(
     writers: dict[str, tuple[Path, Callable[[], object]]], name: str, share: float, before: bool

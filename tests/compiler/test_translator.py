@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 
 from tests.support.compiled import Compiled, Layout
+from tests.support.drawn import drawn
 from tests.support.modules import load_module
 from tests.support.random_programs import HEAD, module, programs
 
@@ -17,7 +18,6 @@ PROGRAMS = 100
 RUNS = 12  # of each program
 REALS = [0.0, -0.0, 1.0, -1.0, 0.5, 2.5, -7.25, 5e-324, -1e-300, 1e300, 1e9, 1e15, math.inf, -math.inf, math.nan]
 WHOLES = [0, 1, -1, 2, -2, 3, 5, -7, 1000]
-GENERATE = settings(phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck), deadline=None)
 RAISES = (ZeroDivisionError, ValueError, OverflowError, IndexError)
 
 
@@ -296,7 +296,7 @@ def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp
     bodies = [text.split("\n") for text in FLOWS.strip().split("\n\n")]
     flows = len(bodies)
 
-    @settings(GENERATE, max_examples=PROGRAMS)
+    @drawn(PROGRAMS, anew=True, shrink=False)
     @given(programs())
     def collect(body: list[str]) -> None:
         bodies.append(body)

@@ -123,6 +123,7 @@ def test_terminals_follow_the_schema_and_name_what_can_be_wired(block: str) -> N
     assert all(terminal.get("description") for terminal in listed(block).values())
 
 
+@pytest.mark.all_blocks
 def test_a_turned_variable_is_a_member_only_where_it_can_be_wired() -> None:
     root = etree.fromstring(terminals(OVERRIDDEN.block(), OVERRIDDEN.causality_overrides))
     gearing = root.find("Terminals/Terminal[@name='gearing']")
@@ -131,6 +132,7 @@ def test_a_turned_variable_is_a_member_only_where_it_can_be_wired() -> None:
     assert set(members(gearing).values()) == overridden
 
 
+@pytest.mark.all_blocks
 def test_a_remote_axis_fits_where_a_master_does() -> None:
     """The members that both have are the wires of `motionsync line`, for each block that has a master."""
     slave = listed("RemoteSync")["slave"]

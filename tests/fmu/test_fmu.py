@@ -387,15 +387,16 @@ def test_two_versions_in_one_process_do_not_mix(fmu: Path, other: Path) -> None:
 
 @pytest.mark.parametrize("flavour", ["python", "native"])
 def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, flavour: str) -> None:
-    """In its own instance and in another one, also through bytes."""
+    """In its own instance and in another one, also through bytes; each twentieth step is looked at."""
     fmu = getattr(fmus, flavour)(block)
     run = draw_accepted_run(block, 2.0**-7, 300)
 
     def stretch(host: FmuInstance) -> list[dict[str, Any]]:
         rows = []
-        for h, values in run.steps[100:]:
+        for number, (h, values) in enumerate(run.steps[100:]):
             host.step(h, values)
-            rows.append(bits(host.get()))
+            if number % 20 == 19:
+                rows.append(bits(host.get()))
         return rows
 
     with FmuInstance(fmu) as host, FmuInstance(fmu) as second:

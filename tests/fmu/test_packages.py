@@ -71,6 +71,7 @@ def description(fmu: Path) -> Any:
         return fromstring(z.read("modelDescription.xml"))
 
 
+@pytest.mark.all_blocks
 def test_a_block_has_the_name_of_its_class() -> None:
     assert {name: kind.__name__ for name, kind in BLOCKS.items()} == {name: name for name in BLOCKS}
 
@@ -85,7 +86,7 @@ def test_the_fmu_holds_what_the_block_imports_and_nothing_else(root: Path) -> No
     own = {path for _, folder, path in paths if not folder.startswith("motionsync_fmu")}
     modules = (
         *("__init__", "clock", "encoder_filter", "input_watch", "master", "master_path", "slave", "var"),
-        *(f"numerics/{name}" for name in ("__init__", "computable_range", "cosine", "grid")),
+        *(f"numerics/{name}" for name in ("__init__", "bracket", "computable_range", "cosine", "grid")),
     )
     assert own == {
         *(f"{name}.py" for name in modules),

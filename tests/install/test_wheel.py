@@ -95,6 +95,7 @@ class Installation:
         return done
 
 
+@pytest.mark.all_blocks
 def test_without_extras_and_then_with_the_compilers(tmp_path: Path) -> None:
     """In one environment, since to make it takes longest. pip has to agree with what uv has installed."""
     installation = Installation(tmp_path)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from fmpy import read_model_description
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
@@ -19,6 +19,7 @@ from motionsync_fmu.interface.causality import CausalityError, Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.recipe import Recipe
 from tests.support.by_block import load_test_module
+from tests.support.drawn import drawn
 from tests.support.validation import faults_by_fmpy
 
 SIGNALS = {f"{axis}.{name}" for axis in ("master", "remote") for name in ("position", "velocity", "acceleration")}
@@ -59,7 +60,7 @@ def overrides(draw: st.DrawFn) -> tuple[str, dict[str, str]]:
     return block, {name: choices[name] for name in sorted(names)}
 
 
-@settings(deadline=None, max_examples=25)
+@drawn(25, anew=True)
 @given(overrides())
 def test_any_allowed_overrides_give_a_valid_description_with_the_counts_that_follow(
     overrides_of_block: tuple[str, dict[str, str]],

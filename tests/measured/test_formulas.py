@@ -7,12 +7,13 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.batch.simulation import simulate_many
 from tests import ROOT
 from tests.measured.lines import MEASURED, Reals, noisy
+from tests.support.drawn import drawn
 
 PAGE = (ROOT / "docs" / "how_to" / "measured_line.md").read_text("utf-8")
 PATH = [f"master.smoothed_{name}" for name in ("position", "velocity", "acceleration")]
@@ -73,7 +74,7 @@ def ramp_errors(tau: float, h: float, delays: Reals, acceleration: float, at: fl
     return np.asarray((error - error[:, first - 1 : first])[:, first:])
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@drawn(30)
 @given(
     tau=st.floats(0.005, 0.08),
     share=st.floats(0.0125, 0.3),

@@ -3,14 +3,13 @@
 from collections.abc import Sequence
 from fractions import Fraction
 
-from hypothesis import settings
 from hypothesis import strategies as st
 
 from motionsync.master_path import MasterPath
+from tests.support.drawn import drawn
 
 EPS = 2.0**-52
-settings.register_profile("master", derandomize=True, deadline=None, max_examples=200)
-repeatable = settings.get_profile("master")
+repeatable = drawn(200)
 TINY = 5e-324
 moderate = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda x: 0.0 if abs(x) < 1e-6 else x)
 allowed = st.floats(-1e12, 1e12) | st.sampled_from([0.0, 1e12, -1e12, TINY, -TINY, 1e-160, -1e-160])

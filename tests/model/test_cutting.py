@@ -8,7 +8,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
@@ -16,6 +16,7 @@ from motionsync.cutting.faults import MarkRefusal, NoLength, PieceFault
 from motionsync.cutting.interface import LateMode, Source, StartMode
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
+from tests.support.drawn import drawn
 from tests.support.finite import run_finite
 from tests.support.runs import BlockRun
 
@@ -23,7 +24,6 @@ INTEGER = 2147483647  # the largest number of FMI's Integer
 MARKS: dict[str, Any] = {"source": Source.MARK, "auto_start": True, "mark.sensor_distance": 700.0}
 
 pytestmark = pytest.mark.parametrize("machine", ["CutToLength", "RotaryKnife"])
-several = settings(deadline=None, suppress_health_check=list(HealthCheck))
 
 
 class Line:
@@ -79,7 +79,7 @@ def calls_of(act: Callable[[], object]) -> int:
 # --- no piece without a length ----------------------------------------------------------------------------------------
 
 
-@settings(several, max_examples=40)
+@drawn(40, anew=True)
 @given(st.floats(1.0, 5000.0), st.lists(st.floats(-6000.0, 3000.0), min_size=1, max_size=6), st.floats(0.0, 20.0))
 def test_a_mark_whose_cut_is_not_beyond_the_material_before_it_is_refused(
     machine: str, front: float, positions: list[float], kerf: float
@@ -128,7 +128,7 @@ def test_a_cut_now_before_the_front_end_is_refused(machine: str) -> None:
 # --- calibration ------------------------------------------------------------------------------------------------------
 
 
-@settings(several, max_examples=25)
+@drawn(25, anew=True)
 @given(st.floats(700.0, 1500.0), st.floats(0.0, 20.0), st.lists(st.floats(0.2, 4.0), min_size=1, max_size=4))
 def test_a_calibration_whose_factor_is_beyond_a_half_to_two_is_refused(
     machine: str, length: float, kerf: float, shares: list[float]
@@ -180,7 +180,7 @@ def random_scale(r: Random, machine: str) -> dict[str, Any]:
     return start
 
 
-@settings(several, max_examples=60)
+@drawn(60, anew=True)
 @given(st.integers(0, 2**32 - 1))
 def test_no_scale_leads_to_an_error_or_to_endless_work(machine: str, seed: int) -> None:
     """Far positions, fine pitches, steep factors, and all commands: a step is made or refused, with a bounded number of
@@ -218,7 +218,7 @@ def test_no_scale_leads_to_an_error_or_to_endless_work(machine: str, seed: int) 
             cuts = block.statistics.cuts
 
 
-@settings(several, max_examples=40)
+@drawn(40, anew=True)
 @given(
     spacing=st.floats(1e-3, 1e6),
     window=st.floats(1e-6, 0.49),
@@ -243,7 +243,7 @@ def test_marks_cost_a_bounded_number_of_operations(
     assert 0 <= line["statistics.marks_missing"] <= INTEGER
 
 
-@settings(several, max_examples=40)
+@drawn(40, anew=True)
 @given(st.floats(10.0, 500.0), st.floats(0.0, 0.4), st.floats(1.5, 8000.0), st.integers(0, 10000), st.booleans())
 def test_missing_marks_are_counted(
     machine: str, spacing: float, window: float, spacings: float, most: int, substitute: bool
@@ -275,7 +275,7 @@ def test_a_mark_far_ahead_is_refused_and_the_next_one_is_taken(machine: str, ahe
     assert [line[f"statistics.marks{name}"] for name in ("", "_missing", "_refused")] == [2, 0, 1]
 
 
-@settings(several, max_examples=20)
+@drawn(20, anew=True)
 @given(st.floats(2e-6, 1e-2), st.floats(1.0, 2000.0), st.sampled_from([1, 2, 3]))
 def test_marks_that_are_too_close_do_not_stop_the_line(machine: str, apart: float, velocity: float, late: int) -> None:
     """On a creeping line; then it runs, in steps in which it travels more than 1e4 of their distance."""
@@ -304,7 +304,7 @@ def test_a_counter_stays_at_its_largest_number(machine: str, counter: str) -> No
 # --- no length --------------------------------------------------------------------------------------------------------
 
 
-@settings(several, max_examples=25)
+@drawn(25, anew=True)
 @given(st.floats(-1e6, 1e-6), st.floats(-30.0, 30.0), st.floats(0.0, 10.0))
 def test_the_reason_why_there_is_no_length_is_shown(
     machine: str, length: float, correction: float, kerf: float

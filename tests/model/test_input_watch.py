@@ -8,12 +8,13 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.input_watch import InputWarning
 from motionsync.master import Master, MasterInput
 from tests.oracle.input_watch import Reported, Sample, reported
+from tests.support.drawn import drawn
 
 START, END, ONLY, MEASURED = MasterInput
 EXACT = [START, END, ONLY]
@@ -315,7 +316,7 @@ def run_exactly(mode: MasterInput, r: Random, steps: list[float]) -> Watched:
 
 
 @pytest.mark.parametrize("mode", EXACT)
-@settings(deadline=None)
+@drawn(anew=True)
 @given(seed=st.integers(0, 2**32 - 1), equal=st.booleans())
 def test_no_exact_line_is_reported_more_of_than_counts(mode: MasterInput, seed: int, equal: bool) -> None:
     rng = Random(seed)
@@ -323,7 +324,7 @@ def test_no_exact_line_is_reported_more_of_than_counts(mode: MasterInput, seed: 
     assert max(run_exactly(mode, rng, steps).codes) <= COUNTS
 
 
-@settings(deadline=None)
+@drawn(anew=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
     resolution=st.sampled_from((0.0, 1e-3, 0.1, 3.0)),
@@ -382,7 +383,7 @@ def faulty_line(r: Random, count: int) -> list[Sample]:
 
 
 @pytest.mark.parametrize("mode", list(MasterInput))
-@settings(deadline=None, max_examples=40)
+@drawn(40, anew=True)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_it_reports_what_the_independent_model_reports(mode: MasterInput, seed: int) -> None:
     samples = faulty_line(Random(seed), 400)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from motionsync.master import Master, MasterInput
@@ -30,6 +30,7 @@ from tests.model.exact_paths import (
     value,
 )
 from tests.model.test_master_path import crossing_time
+from tests.support.drawn import drawn
 from tests.support.numbers import numbers_in
 
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
@@ -465,7 +466,7 @@ def test_an_end_has_no_input_correction() -> None:
 # --- extremes ---------------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=150)
+@drawn(150)
 @given(
     st.sampled_from([START, END, ONLY]),
     st.sampled_from([0.0, 0.0, 1e-9, 0.1, 360.0, 1e12]),

@@ -12,16 +12,16 @@ from random import Random
 from typing import Any, NamedTuple
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync.motion.jerk_limited import Motion, acceleration_limit, stopping_distance
 from tests.oracle.mp import mpq
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 from tests.support.fake_blocks.planner import Planner
 
-settings.register_profile("motion", derandomize=True, deadline=None, max_examples=300)
-repeatable = settings.get_profile("motion")
+repeatable = drawn(300)
 
 EPS = 2.0**-52
 
@@ -419,7 +419,7 @@ def assert_finite(motion: Motion) -> None:
     assert all(before[0] < after[0] for before, after in pairwise(rows(motion)))
 
 
-@settings(repeatable, max_examples=2000)
+@drawn(2000)
 @given(extreme_moves, anything)
 @example(Move(0.0, 0.0, 1e12, 1.0, 1e-12, 1e-12, 1e-12, 1e-12), 0.0)
 @example(Move(0.0, -1e12, -1e12, -1e12, 1e12, 1e-12, 1e12, 1e-12), math.nextafter(1e-12, 0.0))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf, isfinite, nan
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync.numerics.polynomial import EPSILON, ROUNDING, Polynomial
@@ -12,9 +12,9 @@ from tests.model.flying_saw.fake_blocks import RootFinder
 from tests.oracle.mp import Ratio, mpq
 from tests.oracle.roots import at, roots_inside
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 
-settings.register_profile("polynomial", derandomize=True, deadline=None, max_examples=100)
-repeatable = settings.get_profile("polynomial")
+repeatable = drawn()
 
 ULP = mpq(EPSILON)
 LEAST = mpq(1, 2**60)  # smaller roots, and differences between roots, are lost
@@ -176,7 +176,7 @@ any_coefficients = st.floats() | st.floats(-1.0, 1.0) | st.just(0.0)
 
 
 @pytest.mark.slow
-@settings(repeatable, max_examples=200)
+@drawn(200)
 @given(st.lists(any_coefficients, min_size=1, max_size=7) | st.lists(inside, min_size=1, max_size=6).map(expand))
 def test_compiled_code_gives_the_bits_of_python_for_any_numbers(coefficients: list[float]) -> None:
     block = RootFinder(polynomial(coefficients))

@@ -1,14 +1,15 @@
 """Random runs of each block, whatever their inputs: all numbers are finite, and what a block shows belongs together."""
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
+from tests.support.drawn import drawn
 from tests.support.finite import run_finite
 from tests.support.random_runs import load_strategy
 
 
-@settings(derandomize=True, deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
+@drawn(25)
 @given(data=st.data())
 def test_all_numbers_are_finite_and_belong_together(block: str, data: st.DataObject) -> None:
     strategy = load_strategy(block)

@@ -10,7 +10,7 @@ from typing import Any
 
 import fmpy
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync import var
@@ -21,6 +21,7 @@ from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 from tests.support.importers import bits
 from tests.support.random_runs import draw_runs, draw_until, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
@@ -28,7 +29,6 @@ from tests.support.runs import BlockRun
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 # Long runs: a failing one is reported as generated, since shrinking it would take minutes.
-LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
 
 
 class Pair:
@@ -73,10 +73,10 @@ class Pair:
         return int(refusal)
 
 
-@settings(LONG, max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@drawn(10, anew=True, shrink=False)
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
-    """Other runs each time; the test below compares at least 60 that are always the same."""
+    """Other runs each time; the test below compares at least 30 that are always the same."""
     strategy = load_strategy(block)
     library(BLOCKS[block])  # compiled before a run is drawn, which would be printed with each broken rule
     run = data.draw(strategy.runs(500))
@@ -86,13 +86,14 @@ def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data:
             pair.restart()
 
 
+@pytest.mark.all_blocks
 def test_every_block_has_random_runs() -> None:
     assert all(load_strategy(name).required_features for name in BLOCKS)
 
 
 @pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
-    """The random runs reach all features of their strategy, within a few runs. At least 60 are compared."""
+    """The random runs reach all features of their strategy, within a few runs. At least 30 are compared."""
     strategy, numbers = load_strategy(block), count(1)
     missing: set[Any] = {*strategy.required_features, "refused"}
 
@@ -105,7 +106,7 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
             if refusal:
                 pair.restart()
             missing.difference_update(strategy.watch(pair.block))
-        return next(numbers) >= 60 and not missing
+        return next(numbers) >= 30 and not missing
 
     draw_until(block, 500, 400, compare)
     assert not missing
@@ -121,7 +122,7 @@ def test_compiled_code_gives_the_bits_of_python_over_20_000_cycles_in_one_step()
         assert pair.step(20_000 * run.start["task_cycle_time"], {}) == 0
 
 
-@settings(LONG, max_examples=12, suppress_health_check=list(HealthCheck))
+@drawn(6, anew=True, shrink=False)
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject

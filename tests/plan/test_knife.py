@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.plan.confirmation import confirm
@@ -17,6 +17,7 @@ from motionsync_fmu.plan.knife import NO_WAY
 from motionsync_fmu.plan.line_plan import default_lengths, default_velocities, plan_machine
 from motionsync_fmu.plan.prediction import ACCELERATION, JERK, NOT_TAKEN, VELOCITY
 from tests.plan.machines import KNIFE, TORQUES, knife
+from tests.support.drawn import drawn
 
 PARKING = 4326.748711  # 1.5 (0.6 v)3/1622 = 1e6, with 162 degrees from the window to the park angle
 
@@ -182,7 +183,7 @@ values = {
 }
 
 
-@settings(derandomize=True, deadline=None, max_examples=6, phases=[Phase.generate])
+@drawn(6, shrink=False)
 @given(st.fixed_dictionaries(values), st.sampled_from((250.0, 400.0, 1500.0)), st.sampled_from((300.0, 700.0)))
 def test_runs_confirm_any_knife(given_values: dict[str, str], length: float, velocity: float) -> None:
     plan = plan_machine(knife(given_values), [length], [velocity])

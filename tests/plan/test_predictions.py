@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.plan.confirmation import GAP_SKIPPED, confirm
@@ -14,6 +14,7 @@ from motionsync_fmu.plan.prediction import VELOCITY
 from motionsync_fmu.plan.saw import CYCLE, STROKE, WAYS
 from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, result_of, to
 from tests.plan.machines import JERKLESS, REFERENCE, machine, variant
+from tests.support.drawn import drawn
 
 ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velocity
 
@@ -185,7 +186,7 @@ values = {
 }
 
 
-@settings(derandomize=True, deadline=None, max_examples=6, phases=[Phase.generate])
+@drawn(6, shrink=False)
 @given(st.fixed_dictionaries(values), st.sampled_from((400.0, 1000.0, 2500.0)), st.sampled_from((150.0, 700.0)))
 def test_runs_confirm_any_machine(given_values: dict[str, str], length: float, velocity: float) -> None:
     plan = plan_machine(machine(REFERENCE | given_values), [length], [velocity])

@@ -197,6 +197,7 @@ def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, t
     assert {f"{fmu}.fmu" for fmu in fmus} <= set(Referring(first).addresses)
 
 
+@pytest.mark.all_blocks
 def test_all_blocks_in_three_units_are_released_natively(
     tmp_path: Path, project: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
@@ -13,6 +13,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario, read_scenario_text
 from motionsync_fmu.scenario.scenario import AtTime, When, Within
 from tests.support.calls import calls
+from tests.support.drawn import drawn
 from tests.support.scenario_texts import SEGMENTS, VALID, assert_refused
 
 SETTINGS = VALID[VALID.index("[[set]]") : VALID.index("[[expect]]")]
@@ -296,7 +297,7 @@ LITERALS = st.sampled_from(
 
 
 @given(DEEP | st.text(max_size=40), st.integers(0, len(VALID)))
-@settings(deadline=None)
+@drawn(anew=True)
 def test_a_text_in_a_file_is_read_or_refused(inserted: str, at: int) -> None:
     """Also one that nests tables and lists as deep as the recursion of Python goes, and deeper."""
     line = VALID.rfind("\n", 0, at) + 1
@@ -305,7 +306,7 @@ def test_a_text_in_a_file_is_read_or_refused(inserted: str, at: int) -> None:
 
 
 @given(st.data(), LITERALS)
-@settings(deadline=None)
+@drawn(anew=True)
 def test_a_value_of_another_kind_is_read_or_refused(data: st.DataObject, literal: str) -> None:
     place = data.draw(st.sampled_from(list(PLACES.finditer(VALID))))
     with suppress(UserError):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
@@ -21,6 +21,7 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
+from tests.support.drawn import drawn
 from tests.support.fmus import Fmus
 from tests.support.scenario_texts import FREE_SAW, write_scenario
 from tests.support.stored_references import keep
@@ -354,7 +355,7 @@ def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
 
 
 @given(st.floats(0.001, 0.5))
-@settings(deadline=None, max_examples=15)
+@drawn(15, anew=True)
 def test_a_scenario_that_reacts_means_the_same_at_every_step_size(step_size: float) -> None:
     """The first five cuts; both runs have the scans and their looks in common."""
     scenario = load_scenario(CYCLIC_CUT)

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -24,6 +24,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_ste
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
 from tests.support import recorded_line
+from tests.support.drawn import drawn
 from tests.support.recordings import assert_as_in_python, run_compiled
 from tests.support.scenario_texts import write_scenario
 from tests.support.verdicts import checks_of
@@ -265,7 +266,7 @@ SHORT = TEXT.replace("stop_time = 0.3", "stop_time = 1e-9").replace("step_size =
     end=st.sampled_from(["\n", "\r\n", "\n\n", "\n \n"]),
     mark=st.sampled_from(["", "\ufeff"]),
 )
-@settings(deadline=None)
+@drawn(anew=True)
 def test_every_form_of_a_file_has_the_numbers_that_were_written(
     tmp_path_factory: pytest.TempPathFactory,
     rows: list[tuple[float, float]],
@@ -296,7 +297,7 @@ def test_every_form_of_a_file_has_the_numbers_that_were_written(
     st.integers(0, 5),
     st.sampled_from([",", ";", "\t"]),
 )
-@settings(deadline=None)
+@drawn(anew=True)
 def test_a_row_that_is_wider_than_the_first_line_is_refused(
     tmp_path_factory: pytest.TempPathFactory, names: list[str], wide: int, separator: str
 ) -> None:
@@ -323,7 +324,7 @@ BYTES = st.binary(max_size=60) | LINES.map(
 
 
 @given(BYTES, st.sampled_from(["csv", "parquet"]))
-@settings(deadline=None, max_examples=300)
+@drawn(300, anew=True)
 def test_any_file_is_a_finite_line_or_refused(
     tmp_path_factory: pytest.TempPathFactory, contents: bytes, kind: str
 ) -> None:
@@ -342,7 +343,7 @@ def test_any_file_is_a_finite_line_or_refused(
     rows=st.lists(st.floats() | st.none(), min_size=1, max_size=4),
     kind=st.sampled_from(["float64", "float32", "string", "timestamp", "list", "bool"]),
 )
-@settings(deadline=None)
+@drawn(anew=True)
 def test_any_parquet_file_is_a_finite_line_or_refused(
     tmp_path_factory: pytest.TempPathFactory, names: list[str], rows: list[float | None], kind: str
 ) -> None:

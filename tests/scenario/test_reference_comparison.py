@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, read_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
+from tests.support.drawn import drawn
 from tests.support.scenario_texts import VALID
 
 HEADER = '"time","slave.position","slave.velocity"\n'
@@ -131,7 +132,7 @@ TABLES = st.lists(st.lists(CELLS, max_size=3).map(",".join), max_size=5).map("\n
 
 
 @given(TABLES | st.text(max_size=30))
-@settings(deadline=None)
+@drawn(anew=True)
 def test_any_text_is_a_reference_or_refused(tmp_path_factory: pytest.TempPathFactory, table: str) -> None:
     folder = tmp_path_factory.getbasetemp()
     scenario = with_reference(folder, "")

@@ -67,6 +67,7 @@ def test_another_source_or_version_has_answers_of_its_own(source: Path, monkeypa
     assert results == ["first", "changed", "first", "other packages"]
 
 
+@pytest.mark.all_blocks
 def test_the_sources_are_all_that_an_oracle_imports() -> None:
     for block in regenerate.BLOCKS:
         regenerate.oracle(block)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.scenario.drive import Drive
@@ -17,11 +17,12 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
+from tests.support.drawn import drawn
 
 EXAMPLE = load_scenario(find_files(ROOT / "scenarios/FlyingSaw/cyclic_cut")[0])
 
 
-@settings(max_examples=300)
+@drawn(300, anew=True)
 @given(st.lists(st.floats(0.0, 1e7) | st.floats(0.0, 1e-9) | st.integers(0, 10**12).map(lambda n: n / 1e9), min_size=1))
 def test_times_are_rounded_as_python_rounds_them(times: list[float]) -> None:
     assert round_times(np.array(times)).tolist() == [round(t, 12) for t in times]
@@ -67,7 +68,7 @@ NEAR = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=150)
+@drawn(150, anew=True)
 @given(
     step_size=st.sampled_from([0.05, 0.07, 0.1]),
     scan=st.sampled_from([0.05, 0.07]),

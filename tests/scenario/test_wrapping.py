@@ -48,6 +48,7 @@ def turning_scenarios(block: str) -> Iterator[Scenario]:
             yield scenario
 
 
+@pytest.mark.all_blocks
 def test_each_block_whose_slave_turns_declares_its_period() -> None:
     """A wrapped position jumps back again and again; one without a period does so once, by a command, at most."""
     assert {"Follower", "Gearing", "RotaryKnife", "Synchronizer"} <= {*ROTARY}

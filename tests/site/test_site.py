@@ -140,6 +140,7 @@ def test_the_reference_of_python_has_what_the_package_offers(site: Site) -> None
     assert not [part for part in text if re.fullmatch(r"\w+,", part)]  # a docstring has one name in a row
 
 
+@pytest.mark.all_blocks
 def test_the_names_of_plcopen_are_complete(site: Site) -> None:
     """Each command of the FlyingSaw, each of PLCopen's states that it shows, and each block."""
     page = site.pages["reference/plcopen.html"]

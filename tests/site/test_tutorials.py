@@ -79,6 +79,7 @@ def test_the_reference_shows_what_a_run_prints(fmus: Fmus, tmp_path: Path, motio
         assert as_shown(motionsync(*shlex.split(command), "--no-report")) == output
 
 
+@pytest.mark.all_blocks
 def test_the_check_of_an_installation_lists_all_blocks(motionsync: Command) -> None:
     assert "prints a table of all blocks, CutToLength among them" in (TUTORIAL / "install.md").read_text("utf-8")
     listed = motionsync("list").out

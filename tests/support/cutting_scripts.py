@@ -1,74 +1,42 @@
 """Scripts of a line with commands for a machine that cuts to length, and the run of such a machine along one."""
 
-from collections.abc import Collection, Iterable, Sequence
-from itertools import accumulate, pairwise
+from collections.abc import Collection, Iterable
 from random import Random
 from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync.var import Block
-from motionsync_fmu.interface.stepper import Stepper
 from tests.oracle import mp
 from tests.oracle.cut_to_length_carriage import MasterSection
 from tests.oracle.master import stretches
-
-Script = dict[str, Any]
-Row = dict[str, float]
+from tests.support import oracle_runs
+from tests.support.harness import Row
+from tests.support.oracle_runs import Feed, Script, corners
 
 LEAST_SPEED = 1e-3
-
-
-def step_ends(script: Script, extra_ends: Iterable[float]) -> list[float]:
-    """The ends of the steps: `extra_ends`, and where something is set or the line's script breaks."""
-    stop = float(script["stop_time"])
-    breaks = accumulate(segment["duration"] for segment in script["master"]["segments"])
-    fixed = {0.0, stop, *breaks, *(table["at"] for table in script["set"])}
-    apart = {time for time in extra_ends if min(abs(time - other) for other in fixed) > 1e-9}
-    return [time for time in sorted(fixed | apart) if 0.0 <= time <= stop]
 
 
 def simulate(
     block: Block,
     script: Script,
-    extra_ends: Iterable[float],
-    names: Sequence[str],
+    ends: Iterable[float],
+    names: Collection[str],
     at_velocity: Collection[str],
     mode: MasterInput,
-    stride: int = 1,
+    stride: int,
 ) -> list[Row]:
     """A new block's outputs at the end of each step, or of each `stride`-th one.
 
     `at_velocity`: what jumps where the line comes to rest, since rounding of the velocity decides; left out there.
     """
-    stepper = Stepper(block)
-    parts = stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]
-    sections = [MasterSection.of(part, 0.0) for part in parts]
-    period = float(script["start"].get("master.period", 0.0))
-
-    def set_master(time: float, master: MasterSection) -> None:
-        m = master.at(time)
-        position = m.position % period if period > 0.0 else m.position
-        values = {"master.position": position, "master.velocity": m.velocity, "master.acceleration": m.acceleration}
-        stepper.set(values)
-
-    stepper.set(script["start"] | {"master.input_mode": mode})
-    set_master(0.0, sections[0])
-    stepper.initialize()
+    feed, fixed = Feed(script, MasterInput.START_OF_STEP), corners(script)
     rows = []
-    sets: dict[float, dict[str, Any]] = {}
-    for table in script["set"]:
-        sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
-    for i, (begin, end) in enumerate(pairwise(step_ends(script, extra_ends))):
-        while len(sections) > 1 and sections[1].begin <= begin:
-            sections.pop(0)
-        stepper.set(sets.get(begin, {}))
-        set_master(end if mode == MasterInput.END_OF_STEP else begin, sections[0])
-        stepper.step(end - begin)
-        speed = abs(sections[0].at(end).velocity)
-        if i % stride or (speed < LEAST_SPEED and abs(end - sections[0].end) < 1e-9):
-            continue
-        compared_names = [name for name in names if name not in at_velocity or speed > LEAST_SPEED]
-        rows.append({"time": end, **{name: float(value) for name, value in stepper.get(compared_names).items()}})
+    for row in oracle_runs.simulate(block, script, ends, names, mode=mode, stride=stride):
+        is_at_rest = abs(feed.inputs(row["time"], after=False)["master.velocity"]) <= LEAST_SPEED
+        if not is_at_rest:
+            rows.append(row)
+        elif row["time"] not in fixed:
+            rows.append({name: value for name, value in row.items() if name not in at_velocity})
     return rows
 
 

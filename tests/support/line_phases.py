@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from random import Random
 
-from hypothesis import Phase as Generation
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -13,8 +12,6 @@ COMMANDS = ("cut_now", "take_sample", "abort", "stop", "start", "order.add", "or
 LENGTH, DURATION = 1000.0, 1.0  # of a piece, u; about the time in which it passes, s
 LINE = LENGTH / DURATION
 
-# A failing run is reported as it was drawn: what is drawn is a seed.
-GENERATIONS = [Generation.explicit, Generation.reuse, Generation.generate]
 rngs = st.integers(0, 2**32 - 1).map(Random)
 modes = st.sampled_from([START, END])
 

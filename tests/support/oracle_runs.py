@@ -15,6 +15,8 @@ from tests.support.harness import Row
 
 CLOSE = 1e-10
 """Time (s) by which the end of a segment may be rounded."""
+ROUNDING = 1e-15
+"""Of a value that has a tolerance, relative to it."""
 Script = dict[str, Any]
 Reference = Callable[[Mapping[str, Any], Sequence[float]], list[Row]]
 """What an oracle answers: its rows at some times; two of one time where something jumps."""
@@ -65,8 +67,10 @@ def simulate(
     *,
     mode: MasterInput = MasterInput.START_OF_STEP,
     recorded: Collection[float] | None = None,
+    stride: int = 1,
 ) -> list[Row]:
-    """The outputs of a new block at the ends of its steps, or at those `recorded`: at `ends` and at the corners.
+    """The outputs of a new block after its initialization and at the ends of its steps, `ends` and the corners: of each
+    `stride`-th step, or at the times in `recorded`.
 
     An end closer than 1e-9 s to a corner is left out."""
     stepper, feed, fixed = Stepper(block), Feed(script, mode), sorted(corners(script))
@@ -76,12 +80,17 @@ def simulate(
     others = {end for end in ends if 0.0 < end < fixed[-1] and _distance(fixed, end) > 1e-9}
     stepper.initialize({**script["start"], "master.input_mode": mode, **feed.inputs(0.0, after=True)})
     rows = []
-    for begin, end in pairwise(sorted({*fixed, *others})):
+
+    def record(number: int, time: float) -> None:
+        if number % stride == 0 if recorded is None else time in recorded:
+            rows.append({"time": time, **{name: float(value) for name, value in stepper.get(names).items()}})
+
+    record(0, 0.0)
+    for number, (begin, end) in enumerate(pairwise(sorted({*fixed, *others})), start=1):
         is_end = mode == MasterInput.END_OF_STEP
         master = feed.inputs(end, after=False) if is_end else feed.inputs(begin, after=True)
         stepper.step(end - begin, {**sets.get(begin, {}), **master})
-        if recorded is None or end in recorded:
-            rows.append({"time": end, **{name: float(value) for name, value in stepper.get(names).items()}})
+        record(number, end)
     return rows
 
 
@@ -117,4 +126,5 @@ def is_among(value: float, allowed: Sequence[float], tolerance: float, period: f
     """Whether a value is at or between the allowed ones; with a period at one of them, or whole turns away."""
     if period > 0.0:
         return 0.0 <= value < period and any(abs(math.remainder(value - x, period)) <= tolerance for x in allowed)
-    return min(allowed) - tolerance <= value <= max(allowed) + tolerance
+    margin = max(tolerance, ROUNDING * abs(value)) if tolerance else 0.0
+    return min(allowed) - margin <= value <= max(allowed) + margin

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu import search
@@ -16,6 +16,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.variation.values import split_setting
 from tests import ROOT
 from tests.oracle.cut_to_length_limits import Saw
+from tests.support.drawn import drawn
 from tests.support.scenario_texts import EVEN_RAMP, write_scenario
 
 MACHINES = ROOT / "scenarios" / "CutToLength" / "any_length" / "scenario.toml"
@@ -46,7 +47,7 @@ def greatest_velocity(acceleration: float, way: float) -> float:
     return sqrt(acceleration * way / 0.75)
 
 
-@settings(max_examples=4, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@drawn(4, anew=True)
 @given(
     accelerations=st.lists(st.floats(1e3, 2e4), min_size=1, max_size=4, unique=True),
     way=st.floats(20.0, 200.0),

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu import __version__
@@ -21,6 +21,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.sweeps.samples import Method
 from motionsync_fmu.sweeps.sweep_plan import MOST_RUNS, Factor, SweepPlan
+from tests.support.drawn import drawn
 
 SAW = load_example("FlyingSaw").file
 CUTTER = load_example("CutToLength").file
@@ -75,7 +76,7 @@ def test_the_runs_are_all_combinations_of_the_grids_with_every_sample() -> None:
 
 @pytest.mark.parametrize("make_plan", [mixed, sobol])
 @given(st.data())
-@settings(deadline=None, max_examples=60)
+@drawn(60, anew=True)
 def test_the_values_do_not_depend_on_how_the_runs_are_cut(
     make_plan: Callable[[], SweepPlan], data: st.DataObject
 ) -> None:
@@ -87,7 +88,7 @@ def test_the_values_do_not_depend_on_how_the_runs_are_cut(
 
 
 @given(st.integers(1, 200), st.integers(0, 2**40))
-@settings(deadline=None, max_examples=25)
+@drawn(25, anew=True)
 def test_each_stratum_of_a_latin_hypercube_has_one_sample(samples: int, seed: int) -> None:
     plan = SweepPlan(SAW, SAW.read_text(), mixed().factors[1:2], samples, Method.LHS, seed)
     share = (plan.values(0, samples)["master.velocity"] - 200.0) / 100.0

@@ -1,6 +1,6 @@
 """Random scripts of a line with commands, the CutToLength's run along one, and its comparison with the oracle."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from random import Random
 from typing import Any
@@ -9,7 +9,8 @@ from motionsync.cut_to_length.block import CutToLength
 from motionsync.master import MasterInput
 from tests.oracle.cut_to_length import events, reference
 from tests.support import cutting_scripts
-from tests.support.cutting_scripts import Row, Script, random_line, random_marks
+from tests.support.cutting_scripts import random_line, random_marks
+from tests.support.oracle_runs import Script, find_differences
 
 LEAST_RETURN_TIME = 1e-4
 """Time (s) in which no carriage returns home that has left it."""
@@ -36,30 +37,25 @@ AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limi
 """What jumps where the line comes to rest: rounding of the velocity decides."""
 ARRIVAL_TOLERANCE = 1e-5
 """Time (s): the way home ends so softly that rounding of the carriage's state changes the end by so much."""
+RELATIVE, LONGEST = 1e-9, 5.0
+"""Of the machine's sizes; the longest time that is compared, s."""
 NOT_COMPARED = ("time",)
 """The columns of the oracle's rows that are not compared."""
 
 
-def simulate(
-    script: Script, extra_ends: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1
-) -> list[Row]:
-    """The block's outputs at the end of each step, or of each `stride`-th one."""
-    return cutting_scripts.simulate(CutToLength(), script, extra_ends, names, AT_VELOCITY, mode, stride)
-
-
-def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
+def tolerance(name: str, scale: Mapping[str, float]) -> float:
     """How far a value may be from the oracle's; `scale`: the sizes of the script."""
     if name == "local.home_time":
         return ARRIVAL_TOLERANCE
     if name == "slave.jerk":
-        return relative * scale["jerk"]
+        return RELATIVE * scale["jerk"]
     if name == "slave.acceleration":
-        return relative * scale["acceleration"]
+        return RELATIVE * scale["acceleration"]
     if name in VELOCITIES:
-        return relative * scale["velocity"]
+        return RELATIVE * scale["velocity"]
     if name in POSITIONS:
-        return relative * scale["length"]
-    return relative if name in TIMES or name in SHARES else 0.0
+        return RELATIVE * scale["length"]
+    return RELATIVE * LONGEST if name in TIMES else RELATIVE if name in SHARES else 0.0
 
 
 def find_undecided(script: Script) -> tuple[float, set[str]]:
@@ -80,22 +76,17 @@ def find_undecided(script: Script) -> tuple[float, set[str]]:
     return float(script["stop_time"]), undetermined
 
 
-def find_differences(script: Script, rows: Sequence[Row], relative: float = 1e-9) -> list[str]:
-    """Where the block's rows are neither at nor between the oracle's rows for that time."""
-    expected: dict[float, list[Row]] = {}
-    for row in reference(script, [row["time"] for row in rows]):
-        expected.setdefault(row["time"], []).append(row)
+def differences(
+    script: Script, ends: Iterable[float], *, stride: int = 1, mode: MasterInput = MasterInput.START_OF_STEP
+) -> list[str]:
+    """Where the block's outputs are not the oracle's, at the end of each step or of each `stride`-th one."""
     start = script["start"]
     scale = {"length": 1000.0} | {n: start[f"axis.max_{n}"] for n in ("velocity", "acceleration", "jerk")}
     horizon, undetermined = find_undecided(script)
-    differences = []
-    for row in (row for row in rows if row["time"] <= horizon):
-        for name in row.keys() - {*NOT_COMPARED, *undetermined}:
-            allowed = [other[name] for other in expected[row["time"]]]
-            margin = tolerance(name, scale, relative) * (max(1.0, row[name]) if name in TIMES else 1.0)
-            if not min(allowed) - margin <= row[name] <= max(allowed) + margin:
-                differences.append(f"{name} is {row[name]!r} at {row['time']!r}, not {allowed}")
-    return differences
+    (first, *_) = reference(script, [0.0])
+    tolerances = {name: tolerance(name, scale) for name in first.keys() - {*NOT_COMPARED, *undetermined}}
+    rows = cutting_scripts.simulate(CutToLength(), script, ends, tolerances, AT_VELOCITY, mode, stride)
+    return find_differences(reference, script, [row for row in rows if row["time"] <= horizon], tolerances)
 
 
 # --- scripts ----------------------------------------------------------------------------------------------------------

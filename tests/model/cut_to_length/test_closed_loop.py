@@ -8,11 +8,12 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.harness import REFERENCE, CutToLengthHarness
+from tests.support.drawn import drawn
 
 SCAN = 0.01  # s
 LAG = 0.3  # s, the time constant of the line
@@ -59,7 +60,7 @@ def produce(
 
 
 @given(LENGTHS, st.sampled_from([MasterInput.START_OF_STEP, MasterInput.END_OF_STEP]))
-@settings(max_examples=15, deadline=None)
+@drawn(15, anew=True)
 @example(STEEP, MasterInput.START_OF_STEP)
 def test_no_cut_is_missed_by_a_line_that_follows_the_request(lengths: list[float], mode: MasterInput) -> None:
     """Whatever is ordered. The line is asked to stay 5 % below its limit; why the usual 2 % are not enough for a lag of
@@ -70,7 +71,7 @@ def test_no_cut_is_missed_by_a_line_that_follows_the_request(lengths: list[float
 
 
 @given(LENGTHS, st.floats(0.05, 0.2), st.sampled_from([MasterInput.START_OF_STEP, MasterInput.END_OF_STEP]))
-@settings(max_examples=15, deadline=None)
+@drawn(15, anew=True)
 @example(STEEP, 0.2, MasterInput.START_OF_STEP)
 def test_the_usual_margin_is_enough_for_a_line_that_follows_soon(
     lengths: list[float], lag: float, mode: MasterInput
@@ -81,7 +82,7 @@ def test_the_usual_margin_is_enough_for_a_line_that_follows_soon(
 
 
 @given(LENGTHS, st.floats(0.1, 2.0), st.floats(0.0, 1400.0), st.sampled_from([0.0, 0.02]))
-@settings(max_examples=15, deadline=None)
+@drawn(15, anew=True)
 @example(STEEP, LAG, 0.0, 0.02)
 @example([300.0, 3000.0, 300.0], 2.0, 1400.0, 0.0)
 def test_a_cut_is_missed_only_if_the_line_was_above_its_limit(

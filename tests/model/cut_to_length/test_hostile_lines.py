@@ -10,7 +10,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.cut_to_length.faults import Fault
@@ -19,8 +19,8 @@ from motionsync.master import MasterInput
 from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.stepper import RefusedError
 from tests.model.cut_to_length.harness import CutToLengthHarness, near, started_machine
-from tests.model.cut_to_length.scripted_runs import find_differences, simulate
-from tests.model.cut_to_length.test_properties import repeatable
+from tests.model.cut_to_length.scripted_runs import differences
+from tests.support.drawn import drawn
 
 LINE = 503.7
 MACHINE: dict[str, Any] = {
@@ -94,7 +94,7 @@ def test_a_spike_of_the_acceleration_does_not_carry_the_carriage_away(spike: flo
     assert states >= {State.WAITING, State.APPROACHING, State.CUTTING, State.RETURNING}
 
 
-@settings(repeatable, max_examples=60)
+@drawn(60, shrink=False)
 @given(st.integers(0, 2**32 - 1).map(Random), st.sampled_from(list(MasterInput)))
 def test_no_setpoint_is_beyond_the_stroke_by_more_than_one_stop(rng: Random, mode: MasterInput) -> None:
     """Whatever the line's inputs: noise, spikes and jumps of each of them, in any state."""
@@ -212,6 +212,4 @@ def test_in_a_spike_the_carriage_moves_as_the_oracle_says(seed: int) -> None:
     sets = [{"at": 0.1, "start": True}, {"at": at + 0.001, "abort": seed < 4}]
     master = {"velocity": 700.0, "segments": segments}
     script = {"stop_time": at + 1.5, "step_size": 0.01, "start": values, "master": master, "set": sets}
-    names = ("slave.position", "slave.velocity", "slave.acceleration", "state_code", "error_id")
-    rows = simulate(script, [0.01 * i for i in range(400)], names, MasterInput.START_OF_STEP)
-    assert find_differences(script, rows) == []
+    assert differences(script, [0.01 * i for i in range(400)]) == []

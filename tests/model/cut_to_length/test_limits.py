@@ -8,7 +8,7 @@ from random import Random
 
 import mpmath
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mpf
 
@@ -29,9 +29,9 @@ from motionsync.motion.jerk_limited import Motion
 from motionsync_fmu.plan.saw import max_line_velocity
 from tests.model.cut_to_length.harness import machine_data
 from tests.model.cut_to_length.machine_results import EACH_RESULT, MACHINES, Result, pitch_without_jerk, to
+from tests.support.drawn import drawn
 
-settings.register_profile("limits", derandomize=True, deadline=None, max_examples=150)
-repeatable = settings.get_profile("limits")
+repeatable = drawn(150)
 
 REFERENCE = machine_data()
 
@@ -325,7 +325,7 @@ def solve_cycle(machine: Machine, line: float) -> tuple[mpf, mpf, mpf]:
     return cycle, cycle * mpf(line), farthest + follow_phases(ramp(-v, turn, m["homing_jerk"]), v)[1]
 
 
-@settings(repeatable, max_examples=60)
+@drawn(60)
 @given(machines, scales)
 def test_predictions_agree_with_phases_of_constant_jerk(machine: Machine, velocity: float) -> None:
     without_gap = replace(machine, gap_distance=0.0)

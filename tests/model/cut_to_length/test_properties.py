@@ -3,17 +3,17 @@
 from random import Random
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import random_machine, random_tool
+from tests.support.drawn import drawn
 from tests.support.harness import MOTION
 from tests.support.line_phases import (
     DURATION,
-    GENERATIONS,
     LENGTH,
     modes,
     multiples_of,
@@ -22,8 +22,7 @@ from tests.support.line_phases import (
 
 IN_CONTACT = (State.SYNCHRONOUS, State.CUTTING, State.PULLING, State.CLEARING)
 
-settings.register_profile("cut to length", derandomize=True, deadline=None, max_examples=25, phases=GENERATIONS)
-repeatable = settings.get_profile("cut to length")
+repeatable = drawn(25, shrink=False)
 
 
 def long_stroke_machine(rng: Random, **values: Any) -> dict[str, Any]:
@@ -44,7 +43,7 @@ def speed_for(values: dict[str, Any], share: float) -> float:
 # --- sharpness --------------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=40)
+@drawn(40, shrink=False)
 @given(rngs, modes)
 def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> None:
     """At 0.999999 of it every cut is on time, at 1.000001 the warning holds from the beginning and a cut is missed,
@@ -72,7 +71,7 @@ def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> N
 # --- limits and ends --------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=25)
+@drawn(25, shrink=False)
 @given(rngs, st.floats(0.2, 1.0), modes, st.booleans())
 def test_on_a_line_of_constant_velocity_no_limit_is_exceeded(
     rng: Random, share: float, mode: MasterInput, ease: bool
@@ -88,7 +87,7 @@ def test_on_a_line_of_constant_velocity_no_limit_is_exceeded(
     assert not saw["warning.limit_exceeded"]
 
 
-@settings(repeatable, max_examples=30)
+@drawn(30, shrink=False)
 @given(rngs, modes)
 def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput) -> None:
     """The line speeds up or turns back in the cuts, the tool may never answer: the carriage stops in time."""

@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import sqrt
 
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from motionsync.flying_saw.extremes import Extremes
@@ -14,9 +14,9 @@ from tests.model.flying_saw.fake_blocks import ProfileMeasurer
 from tests.oracle.mp import Ratio, mpq
 from tests.oracle.roots import Exact, at, derivative, roots_inside
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 
-settings.register_profile("extremes", derandomize=True, deadline=None, max_examples=100)
-repeatable = settings.get_profile("extremes")
+repeatable = drawn()
 
 EPS = mpq(1, 2**52)
 EQUAL = mpq(1, 10**12)
@@ -391,7 +391,7 @@ def negated(of: Profile, i: int) -> list[float]:
 
 
 @pytest.mark.slow
-@settings(repeatable, max_examples=300)
+@drawn(300)
 @given(profiles)
 def test_compiled_code_gives_the_bits_of_python(of: Profile) -> None:
     block = ProfileMeasurer(profile=of)

@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.flying_saw.block import FlyingSaw
@@ -16,6 +16,7 @@ from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
+from tests.support.drawn import drawn
 from tests.support.runs import BlockRun
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
@@ -264,7 +265,7 @@ def breaks(stepper: Stepper, margin: float) -> bool:
     return bool(abs(a) > along * (1.0 + margin))
 
 
-@settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@drawn(150)
 @given(STRATEGY.runs(120), st.integers(0, 2**32 - 1))
 def test_whatever_is_output_beyond_a_limit_is_reported(run: BlockRun, seed: int) -> None:
     """In random runs, whose axis is given limits that are now and then too tight."""

@@ -5,16 +5,16 @@ from collections.abc import Iterable
 from random import Random
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import GROUPS, OUTPUTS, FlyingSawHarness
+from tests.support.drawn import drawn
 from tests.support.numbers import numbers_in
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
-repeatable = settings(derandomize=True, deadline=None)
 rngs = st.integers(0, 2**32 - 1).map(Random)
 
 RESULT = {"gear_in_velo": "in_sync", "gear_in_pos": "in_sync", "move_velocity": "in_velocity"}
@@ -57,7 +57,7 @@ def random_step(saw: FlyingSawHarness, rng: Random, groups: Iterable[str] = GROU
 MACHINE = {"axis.max_acceleration": 2000.0, "axis.max_deceleration": 1500.0, "axis.max_jerk": 20000.0}
 
 
-@settings(repeatable, max_examples=150)
+@drawn(150)
 @given(rngs, st.sampled_from([START, END, MasterInput.POSITION_ONLY]), st.sampled_from([0.0, 0.0, 70.0]))
 def test_plcopen_s_rules_hold_and_nothing_is_ever_nan(rng: Random, mode: MasterInput, period: float) -> None:
     saw = FlyingSawHarness({**MACHINE, "master.period": period}, speed=rng.choice([100.0, -40.0, 0.0]), mode=mode)
@@ -100,7 +100,7 @@ WRONG: dict[str, dict[str, Any]] = {
 }
 
 
-@settings(repeatable, max_examples=60)
+@drawn(60)
 @given(rngs)
 def test_refused_commands_leave_everything_else_as_it_is_to_the_last_bit(rng: Random) -> None:
     """A run with commands, and the same with refused ones of other groups among them."""

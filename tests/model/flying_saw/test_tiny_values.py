@@ -5,13 +5,14 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
 from tests.model.flying_saw.harness import FlyingSawHarness
 from tests.model.flying_saw.strategies import MODES
+from tests.support.drawn import drawn
 from tests.support.finite import run_finite
 from tests.support.numbers import TINY, numbers_in
 from tests.support.runs import BlockRun
@@ -56,7 +57,7 @@ def hardly_moving(r: Random, steps: int) -> BlockRun:
     )
 
 
-@settings(derandomize=True, deadline=None, max_examples=120)
+@drawn(120)
 @given(st.integers(0, 2**32 - 1).map(Random))
 def test_an_axis_that_hardly_moves_leads_to_no_number_that_is_none(r: Random) -> None:
     for saw in run_finite(FlyingSaw(), hardly_moving(r, 12)):

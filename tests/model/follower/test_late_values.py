@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motionsync.follower.cam_section import CamSection
@@ -13,6 +13,7 @@ from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.motion.quintic_peaks import QuinticPeaks
 from tests.model.follower.harness import RECOVERING, FollowerHarness, near, parked, quintic
+from tests.support.drawn import drawn
 
 
 def test_a_late_value_is_met_from_the_way_home() -> None:
@@ -79,7 +80,7 @@ def test_a_late_value_that_is_refused_on_the_way_home_is_saved_for_the_park() ->
     assert follower.to(1600.0).position == near(18.75)
 
 
-@settings(deadline=None, derandomize=True, max_examples=80)
+@drawn(80)
 @given(
     st.floats(0.3, 3.0),
     st.floats(0.3, 3.0),

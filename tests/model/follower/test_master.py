@@ -3,13 +3,14 @@
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from tests.model.follower.harness import CYCLIC, END, ONLY, PASSING, START, near, parked
+from tests.support.drawn import drawn
 
 
 @pytest.mark.parametrize("mode", [START, END, ONLY])
@@ -42,7 +43,7 @@ def test_the_input_correction_may_hold_a_start() -> None:
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75, tolerance=1e-6))
 
 
-@settings(deadline=None, derandomize=True, max_examples=100)
+@drawn()
 @given(
     st.sampled_from([{}, CYCLIC, {**PASSING, "master_cycle": 512.0}]),
     st.sampled_from([START, END, ONLY]),

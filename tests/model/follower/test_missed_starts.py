@@ -7,14 +7,15 @@ L: the way to a meeting Q starts at Q - 200 L, and the slave is back at its park
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.follower.interface import State
 from tests.model.follower.harness import FollowerHarness, near, parked
+from tests.support.drawn import drawn
 
 WAITING, NEXT_CYCLE, FOLLOWING = State.M_WAITING, State.M_WAITING_NEXT_CYCLE, State.M_FOLLOWING
-repeatable = settings(deadline=None, derandomize=True, max_examples=60)
+repeatable = drawn(60)
 
 
 @st.composite

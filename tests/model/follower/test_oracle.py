@@ -49,7 +49,7 @@ def random_machine(r: Random) -> dict[str, Any]:
         cycle = to_out + r.uniform(0.4, 3.0) * (to_sync + onwards)
     else:
         cycle = (2.0 * to_sync + to_out + 2.0 * onwards) * r.uniform(1.05, 2.0)
-    park = r.choice([0.0, 0.0, 20.0])
+    park = r.choice([0.0, 20.0, -30.0])
     return {
         "slave_cycle": to_sync + to_out + onwards if is_cyclic else 0.0,
         "park_slave": park,

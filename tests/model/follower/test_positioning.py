@@ -4,12 +4,13 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from tests.model.follower.harness import CYCLIC, PASSING, VARIABLE, FollowerHarness, near, parked, quintic
+from tests.support.drawn import drawn
 
 
 def test_the_move_to_the_park_is_time_optimal() -> None:
@@ -145,7 +146,7 @@ def test_the_master_may_move_a_little() -> None:
     assert (follower.state, follower.position) == (State.M_HOMING, near(200.0, tolerance=1e-6))
 
 
-@settings(deadline=None, derandomize=True, max_examples=60)
+@drawn(60)
 @given(
     st.booleans(),
     st.sampled_from(["speed", "acceleration"]),

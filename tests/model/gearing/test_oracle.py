@@ -3,13 +3,14 @@
 from random import Random
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.interface import StartMode, StopMode, Transition
 from motionsync.master import MasterInput
 from tests.oracle.gearing import COLUMNS, reference
+from tests.support.drawn import drawn
 from tests.support.harness import MOTION
 from tests.support.oracle_runs import Script, find_differences, simulate
 
@@ -18,8 +19,7 @@ LENGTH = 10.0
 LEAST = 0.2 * LENGTH  # distance of a transition
 FASTEST = 32.0
 
-settings.register_profile("gearing_oracle", derandomize=True, deadline=None, max_examples=400)
-repeatable = settings.get_profile("gearing_oracle")
+repeatable = drawn(400)
 
 
 def order(r: Random, engage: bool) -> dict[str, Any]:

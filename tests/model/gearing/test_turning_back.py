@@ -1,7 +1,7 @@
 """The master reverses during an engagement of the Gearing."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.gearing.interface import StartMode, StopMode, Transition
@@ -17,6 +17,7 @@ from tests.model.gearing.harness import (
     near,
     waiting_for_reference,
 )
+from tests.support.drawn import drawn
 
 
 def test_the_slave_goes_back_along_the_curve_and_rests_below_the_trigger() -> None:
@@ -48,7 +49,7 @@ def test_completion_is_final() -> None:
     assert gear.slave == near(7.0 - 1.5 * 20.0, -15.0, 0.0)
 
 
-@settings(deadline=None, derandomize=True, max_examples=100)
+@drawn()
 @given(
     st.sampled_from([1.0, -1.0]),
     st.booleans(),

@@ -8,16 +8,15 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import Phase, given, seed, settings
+from hypothesis import given, seed
 from hypothesis import strategies as st
 
 from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Estimator, Mode
 from tests.model.remote_sync.harness import OUTPUTS, RemoteSyncHarness
 from tests.oracle.remote_sync import RemoteSyncOracle
+from tests.support.drawn import drawn
 
-settings.register_profile("remote_sync", derandomize=True, deadline=None, max_examples=60)
-repeatable = settings.get_profile("remote_sync")
 rngs = st.integers(0, 2**32 - 1).map(Random)
 
 BEAT, PHASE = Estimator.BEAT, Estimator.PHASE
@@ -194,7 +193,7 @@ def test_the_lines_meet_what_is_to_be_proven_on_them() -> None:
     }
 
     @seed(0)
-    @settings(max_examples=180, deadline=None, phases=[Phase.generate])
+    @drawn(180, anew=True, shrink=False)
     @given(received_runs())
     def draw(received: ReceivedRun) -> None:
         if met == required:
@@ -216,7 +215,7 @@ def test_the_lines_meet_what_is_to_be_proven_on_them() -> None:
 # --- the oracle -------------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=40, phases=[Phase.generate])  # to shrink telegrams takes minutes and shows nothing
+@drawn(40, shrink=False)  # to shrink telegrams takes minutes and shows nothing
 @given(received_runs(), rngs, st.sampled_from(((1.0,), (1.0,), (0.5, 0.1), (2.0, 5.0), (1.0, 0.25, 3.3), (0.7,))))
 def test_the_block_is_as_the_oracle(received: ReceivedRun, rng: Random, sizes: tuple[float, ...]) -> None:
     """All outputs of all steps, to 1e-9 of their size, with steps that are no cycles too."""

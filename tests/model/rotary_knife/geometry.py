@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from math import pi
 
-from hypothesis import settings
 from hypothesis import strategies as st
 
 from motionsync.rotary_knife.knife import Knife
@@ -14,9 +13,9 @@ from tests.oracle.rotary_knife_curves import Derivatives
 from tests.oracle.rotary_knife_curves import Window as ExactWindow
 from tests.oracle.rotary_knife_limits import HORIZONTAL, TANGENTIAL
 from tests.oracle.rotary_knife_limits import Knife as ExactKnife
+from tests.support.drawn import drawn
 
-settings.register_profile("knife", derandomize=True, deadline=None, max_examples=60)
-repeatable = settings.get_profile("knife")
+repeatable = drawn(60)
 
 
 def window_of(knife: Knife, before: float, after: float, factor: float = 1.0, overspeed: float = 0.0) -> Window:

@@ -1,6 +1,6 @@
 """Random scripts of a line with commands, the RotaryKnife's run along one, and its comparison with the oracle."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
@@ -8,7 +8,8 @@ from motionsync.master import MasterInput
 from motionsync.rotary_knife.block import RotaryKnife
 from tests.oracle.rotary_knife import reference
 from tests.support import cutting_scripts
-from tests.support.cutting_scripts import Row, Script, random_line, random_marks
+from tests.support.cutting_scripts import random_line, random_marks
+from tests.support.oracle_runs import Script, find_differences
 
 VELOCITIES = ("limits.max_line_velocity", "limits.max_line_velocity_orders", "line.velocity_request")
 POSITIONS = (
@@ -22,42 +23,32 @@ SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "calibra
 OF_KNIFE = ("velocity", "acceleration", "jerk")
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve")
 """What jumps where the line comes to rest: rounding of the velocity decides."""
+LENGTH = 5000.0  # u
+RELATIVE = 1e-9
 NOT_COMPARED = ("time", "local.unwrapped_position", "warning.limit_exceeded")
 """The columns of the oracle's rows that are not compared: its warning is that of a ramp down alone."""
 
 
-def simulate(
-    script: Script, extra_ends: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1
-) -> list[Row]:
-    """The block's outputs at the end of each step, or of each `stride`-th one."""
-    return cutting_scripts.simulate(RotaryKnife(), script, extra_ends, names, AT_VELOCITY, mode, stride)
-
-
-def tolerance(name: str, start: Mapping[str, Any], relative: float) -> float:
-    """How far a value may be from the oracle's: relative to the machine's size."""
+def tolerance(name: str, start: Mapping[str, Any]) -> float:
+    """How far a value may be from the oracle's: relative to the machine's size, or to the way of the line."""
     group, _, quantity = name.partition(".")
     if group in ("slave", "peaks") and quantity in OF_KNIFE:
-        return relative * float(start.get(f"axis.max_{quantity}", {"velocity": 3600.0}.get(quantity, 1e5)))
+        return RELATIVE * float(start.get(f"axis.max_{quantity}", {"velocity": 3600.0}.get(quantity, 1e5)))
     if name == "slave.position":
-        return relative * float(start.get("knife.turn", 360.0))
+        return RELATIVE * float(start.get("knife.turn", 360.0))
     if name in VELOCITIES or name in POSITIONS:
-        return relative * 1000.0
-    return relative if name in TIMES or name in SHARES else 0.0
+        return RELATIVE * LENGTH
+    return RELATIVE if name in TIMES or name in SHARES else 0.0
 
 
-def find_differences(script: Script, rows: Sequence[Row], relative: float = 1e-9) -> list[str]:
-    """Where the block's rows are neither at nor between the oracle's rows for that time."""
-    expected: dict[float, list[Row]] = {}
-    for row in reference(script, [row["time"] for row in rows]):
-        expected.setdefault(row["time"], []).append(row)
-    differences = []
-    for row in rows:
-        for name in row.keys() - {*NOT_COMPARED}:
-            allowed = [other[name] for other in expected[row["time"]]]
-            margin = tolerance(name, script["start"], relative) * max(1.0, abs(row[name]) / 1000.0)
-            if not min(allowed) - margin <= row[name] <= max(allowed) + margin:
-                differences.append(f"{name} is {row[name]!r} at {row['time']!r}, not {allowed}")
-    return differences
+def differences(
+    script: Script, ends: Iterable[float], *, stride: int = 1, mode: MasterInput = MasterInput.START_OF_STEP
+) -> list[str]:
+    """Where the block's outputs are not the oracle's, at the end of each step or of each `stride`-th one."""
+    (first, *_) = reference(script, [0.0])
+    tolerances = {name: tolerance(name, script["start"]) for name in first if name not in NOT_COMPARED}
+    rows = cutting_scripts.simulate(RotaryKnife(), script, ends, tolerances, AT_VELOCITY, mode, stride)
+    return find_differences(reference, script, rows, tolerances)
 
 
 # --- scripts ----------------------------------------------------------------------------------------------------------

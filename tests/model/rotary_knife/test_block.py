@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.cutting.faults import NoLength, PieceFault
@@ -17,6 +17,7 @@ from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import KnifeContradiction, Refusal, SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode
 from tests.model.rotary_knife.harness import RotaryKnifeHarness, started_knife
+from tests.support.drawn import drawn
 
 SYNC = 600.0  # degrees/s, the knife's velocity in sync
 
@@ -152,7 +153,7 @@ def test_a_cut_whose_ramp_would_have_begun_before_start_is_left_out() -> None:
     assert (knife["last.length"], knife["last.kind"]) == (near(300.0), PieceKind.PRODUCT)
 
 
-@settings(deadline=None)
+@drawn(anew=True)
 @given(st.floats(100.0, 2000.0), st.floats(0.0, 0.2), st.floats(0.05, 1.3), st.booleans())
 def test_a_cut_that_is_skipped_for_its_ramp_says_how_much_is_missing(
     circumference: float, window: float, length: float, is_fast: bool
@@ -337,7 +338,7 @@ def test_windows_without_a_way_between_them_are_refused() -> None:
     assert refused(mark__spacing=100.0, mark__window=50.0)[0] == Refusal.MARK_WINDOW
 
 
-@settings(deadline=None)
+@drawn(anew=True)
 @given(
     blades=st.integers(1, 64),
     park=st.sampled_from([0.0, 0.0, 0.1, 0.4, 0.9]),

@@ -3,7 +3,7 @@
 from math import cbrt, sqrt
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motionsync.cutting.piece import UNLIMITED
@@ -25,6 +25,7 @@ from tests.oracle.rotary_knife_limits import (
 )
 from tests.oracle.rotary_knife_ways import Departure
 from tests.support.compiled import Compiled, equal
+from tests.support.drawn import drawn
 
 K = 0.6  # ° per mm
 REFERENCE = Knife()
@@ -178,7 +179,7 @@ def spread(begin: float, end: float) -> list[float]:
     return [begin + (end - begin) * n / 500 for n in range(501)]
 
 
-@settings(repeatable, max_examples=30)
+@drawn(30)
 @given(cases(), st.floats(0.1, 4.0))
 def test_at_the_limit_one_value_reaches_its_limit_and_none_exceeds_it(case: Case, share: float) -> None:
     pitch = case.around + share * case.window.way_to(case.window, case.knife.spacing) / case.window.slope
@@ -260,7 +261,7 @@ def test_the_longest_piece_of_any_knife(case: Case) -> None:
     assert longest == pytest.approx(float(exact) + case.around, rel=ROUNDING)
 
 
-@settings(repeatable, max_examples=40)
+@drawn(40)
 @given(cases(), st.floats(0.01, 0.99))
 def test_the_shortest_piece_of_any_knife(case: Case, share: float) -> None:
     lengths = lengths_of(case.knife, case.window)
@@ -274,7 +275,7 @@ def test_the_shortest_piece_of_any_knife(case: Case, share: float) -> None:
 # --- the earliest cut -------------------------------------------------------------------------------------------------
 
 
-@settings(repeatable, max_examples=40)
+@drawn(40)
 @given(cases(), st.floats(0.05, 0.95), st.floats(0.05, 3.0), st.floats(0.1, 0.95))
 def test_the_earliest_cut_that_is_reached_by_turning_on(case: Case, place: float, least: float, share: float) -> None:
     """From anywhere on the way to a cut that is as fast as can be, and before or beyond which one may be too early."""
@@ -302,7 +303,7 @@ def test_the_earliest_cut_that_is_reached_by_turning_on(case: Case, place: float
         assert earliest.search.cut.place == pytest.approx(float(expected[0].place), rel=ROUNDING)
 
 
-@settings(repeatable, max_examples=40)
+@drawn(40)
 @given(cases(), st.floats(0.05, 1.5), st.floats(0.1, 1.2))
 def test_the_earliest_cut_that_is_reached_by_parking(case: Case, least: float, share: float) -> None:
     window, cycle = case.window, CycleLimit()
@@ -345,7 +346,7 @@ def test_a_knife_that_must_not_park_reaches_nothing_out_of_rest() -> None:
 
 
 @pytest.mark.slow
-@settings(repeatable, max_examples=200)
+@drawn(200)
 @given(cases(), st.floats(0.0, 6.0), st.floats(0.01, 1.5), st.floats(0.0, 2.0))
 def test_compiled_code_gives_the_bits_of_python(case: Case, share: float, faster: float, least: float) -> None:
     block = KnifeGeometry(knife=case.knife)

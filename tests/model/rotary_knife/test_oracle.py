@@ -5,25 +5,21 @@ from typing import Any
 
 import pytest
 
-from motionsync.master import MasterInput
-from tests.model.rotary_knife.knife_scripts import HORIZONTAL, LATE, STOP_LINE, Script, row_at, script, steady
-from tests.model.rotary_knife.scripted_runs import NOT_COMPARED, find_differences, random_script, simulate
+from tests.model.rotary_knife.knife_scripts import HORIZONTAL, LATE, STOP_LINE, script, steady
+from tests.model.rotary_knife.scripted_runs import differences, random_script
+from tests.support.oracle_runs import Script, grid
 
 pytestmark = pytest.mark.slow  # make quick tests blocks by what is known of them
 
-SHOWN = [name for name in row_at(steady(100.0, 1.0), 0.5) if name not in NOT_COMPARED]
-START = MasterInput.START_OF_STEP
 
-
-def differences(run: Script, step: float = 0.01, *, stride: int = 1, mode: MasterInput = START) -> list[str]:
-    """Of the block, in steps of this length, s, from its oracle."""
-    ends = [i * step for i in range(int(run["stop_time"] / step) + 1)]
-    return find_differences(run, simulate(run, ends, SHOWN, mode, stride))
+def differing(run: Script, step: float = 0.01, *, stride: int = 1) -> list[str]:
+    """In steps of this length, s."""
+    return differences(run, grid(run, step), stride=stride)
 
 
 @pytest.mark.parametrize("length", [300.0, 400.0, 600.0, 900.0, 1217.0, 1500.0])
 def test_each_format(length: float) -> None:
-    assert differences(steady(1000.0, 5.0, length=length)) == []
+    assert differing(steady(1000.0, 5.0, length=length)) == []
 
 
 @pytest.mark.parametrize(
@@ -36,12 +32,12 @@ def test_each_format(length: float) -> None:
     ],
 )
 def test_each_kind_of_knife(values: dict[str, Any]) -> None:
-    assert differences(steady(500.0, 4.0, **{"length": 600.0, **values}), stride=5) == []
+    assert differing(steady(500.0, 4.0, **{"length": 600.0, **values}), stride=5) == []
 
 
 @pytest.mark.parametrize("late_mode", [1, LATE, STOP_LINE])
 def test_each_late_mode(late_mode: int) -> None:
-    assert differences(steady(1200.0, 3.0, length=300.0, late_mode=late_mode), stride=3) == []
+    assert differing(steady(1200.0, 3.0, length=300.0, late_mode=late_mode), stride=3) == []
 
 
 @pytest.mark.parametrize(
@@ -60,14 +56,14 @@ def test_each_late_mode(late_mode: int) -> None:
     ],
 )
 def test_each_command(sets: list[dict[str, Any]], values: dict[str, Any]) -> None:
-    assert differences(steady(600.0, 4.5, *sets, **{"length": 600.0, **values}), stride=3) == []
+    assert differing(steady(600.0, 4.5, *sets, **{"length": 600.0, **values}), stride=3) == []
 
 
 def test_a_line_that_turns_back_over_several_pieces() -> None:
     segments = [{"duration": 2.0}, {"duration": 1.0, "acceleration": -1600.0}, {"duration": 0.5}]
     segments += [{"duration": 1.0, "acceleration": 1600.0}, {"duration": 1.0}]
     run = script(segments, {"at": 0.2, "start": True}, velocity=800.0, length=600.0)
-    assert differences(run, stride=9) == []
+    assert differing(run, stride=9) == []
 
 
 @pytest.mark.parametrize("step", [0.007, 0.0471])
@@ -75,10 +71,10 @@ def test_the_block_is_its_oracle(step: float) -> None:
     """Random knives, lines and commands; all outputs to 1e-9 of the machine's size."""
     for seed in range(14):
         run = random_script(Random(seed), 4.0, step)
-        assert differences(run, step, stride=max(int(0.09 / step), 1)) == [], seed
+        assert differing(run, step, stride=max(int(0.09 / step), 1)) == [], seed
 
 
 def test_a_horizontal_knife_is_its_oracle() -> None:
     for seed in range(4):
         run = random_script(Random(seed), 3.0, 0.01, horizontal=True)
-        assert differences(run, stride=25) == [], seed
+        assert differing(run, stride=25) == [], seed

@@ -4,18 +4,18 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from motionsync.rotary_knife.interface import State
 from tests.model.rotary_knife.harness import RotaryKnifeHarness
 from tests.model.rotary_knife.strategies import random_knife, random_window
+from tests.support.drawn import drawn
 from tests.support.harness import MOTION
 from tests.support.line_phases import (
     COMMANDS,
     DURATION,
-    GENERATIONS,
     LENGTH,
     START,
     Phase,
@@ -24,8 +24,7 @@ from tests.support.line_phases import (
     rngs,
 )
 
-settings.register_profile("rotary knife", derandomize=True, deadline=None, max_examples=20, phases=GENERATIONS)
-repeatable = settings.get_profile("rotary knife")
+repeatable = drawn(20, shrink=False)
 
 
 def knife_values(rng: Random, **values: Any) -> dict[str, Any]:
@@ -53,7 +52,7 @@ def random_line(rng: Random, speed: float, phases: int) -> Iterator[Phase]:
         yield Phase(DURATION * rng.uniform(0.1, 1.5))
 
 
-@settings(repeatable, max_examples=20)
+@drawn(20, shrink=False)
 @given(rngs, st.floats(0.2, 1.0), modes)
 def test_on_a_line_of_constant_velocity_no_limit_is_exceeded(rng: Random, share: float, mode: MasterInput) -> None:
     """Not even by 1e-9 of it, with the commands that a knife has."""

@@ -6,15 +6,15 @@ from typing import Any
 
 import mpmath  # type: ignore[import-untyped]
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync.numerics.grid import floor
 from motionsync.synchronizer.interface import Curve
 from motionsync.synchronizer.transition import PhasingTransition, half_law
+from tests.support.drawn import drawn
 
-settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
-repeatable = settings.get_profile("transition")
+repeatable = drawn()
 
 mp = mpmath.mp.clone()
 mp.dps = 50
