@@ -239,7 +239,7 @@ def test_a_carriage_has_its_home_and_its_zone(scene_of: SceneOf, name: str) -> N
 
 
 @pytest.mark.parametrize("ratio", [1.0, -1.0])
-def test_a_window_has_room_for_the_pieces_where_the_material_goes(scene_of: SceneOf, ratio: float) -> None:
+def test_a_window_has_space_for_the_pieces_where_the_material_goes(scene_of: SceneOf, ratio: float) -> None:
     """Beyond the end positions 14 % of the length of 1050; where the material goes 70 % more, since pieces are long."""
     scenario, recording = run(CYCLIC_CUT)
     assert scenario.cuts
