@@ -227,8 +227,8 @@ def test_the_files_that_the_pages_for_developers_name_exist() -> None:
     for page in ("CONTRIBUTING.md", "docs/explanation/architecture.md", "docs/explanation/proof.md"):
         text = (ROOT / page).read_text("utf-8")
         for name in set(re.findall(r"`([\w./-]+(?:\.(?:py|c|h|js|toml|md|csv|zip)|/))`", text)) - made:
-            known = any(path.endswith(f"/{name.rstrip('/')}") for path in paths) or (ROOT / name).exists()
-            assert known or "clamper" in name.lower(), f"{page}: {name}"
+            exists = any(path.endswith(f"/{name.rstrip('/')}") for path in paths) or (ROOT / name).exists()
+            assert exists or "clamper" in name.lower(), f"{page}: {name}"
 
 
 def test_the_builds_that_the_pages_show_are_possible() -> None:
