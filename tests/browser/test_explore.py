@@ -930,8 +930,8 @@ def test_the_errors_of_a_remote_axis_are_those_of_the_report(chosen: Chosen, fmu
         scenario = shown(load_scenario(file) if file.is_file() else load_example("RemoteSync"))
         assert scenario.remote
         expected = remote_errors(scenario.remote, record(scenario))
-        for of, found in zip(names, visit.page.evaluate(errors, [name, names]), strict=True):
-            assert np.abs(getattr(expected, of) - found).max() < 1e-6, (name, of)
+        for of, result in zip(names, visit.page.evaluate(errors, [name, names]), strict=True):
+            assert np.abs(getattr(expected, of) - result).max() < 1e-6, (name, of)
 
 
 # --- everybody can use it ---
