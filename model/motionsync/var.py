@@ -251,10 +251,11 @@ class Declaration:
         return low <= value <= high and (abs(value) >= self.least_magnitude or (self.zero and value == 0.0))
 
     def with_parameters(self, texts: Mapping[int, tuple[str, str]]) -> "Declaration":
-        """The declaration with the codes of these tunable parameters, if it shows which one is out of its range.
+        """The declaration with codes for tunable parameters, too.
 
         `texts`: by the number that `first_invalid` gives, each one's name and range."""
-        return replace(self, codes=_with_parameters(self.codes, tuple(texts.items()))) if self.of_parameters else self
+        assert self.codes
+        return replace(self, codes=_with_parameters(self.codes, tuple(texts.items())))
 
     def of_real_input(self) -> "Declaration":
         """The declaration of a Real parameter that an FMU shows as an input: it is within ±1e12, as Real inputs are.

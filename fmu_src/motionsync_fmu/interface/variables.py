@@ -272,9 +272,14 @@ def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Va
         for c in cells(block)
         if c.declaration
     ]
-    numbered = (v for v in result if v.declaration.tunable and v.kind != "Boolean")
-    ranges = {number: (v.name, v.allowed_range) for number, v in enumerate(numbered, 1)}
-    return _in_order([replace(v, declaration=v.declaration.with_parameters(ranges)) for v in result])
+    return _in_order([_with_codes(v, result) if v.declaration.of_parameters else v for v in result])
+
+
+def _with_codes(v: Variable, listed: list[Variable]) -> Variable:
+    """A variable that shows which of the listed parameters is refused, with their ranges as the texts of its codes."""
+    numbered = enumerate((w for w in listed if w.declaration.tunable and w.kind != "Boolean"), 1)
+    texts = {number: (w.name, w.allowed_range) for number, w in numbered}
+    return replace(v, declaration=v.declaration.with_parameters(texts))
 
 
 def _in_order(listed: list[Variable]) -> list[Variable]:

@@ -39,10 +39,10 @@ class CuttingSettings:
         """Become the block's parameters, group by group, as far as they are valid."""
         if is_factor_usable(block):
             var.copy_valid(self.cycle, block)
+            var.copy_valid(self.piece, block)
+            var.copy_valid(self.start, block)
         if has_narrow_window(block.mark):
             var.copy_valid(self.mark, block.mark)
-        var.copy_valid(self.piece, block)
-        var.copy_valid(self.start, block)
         var.copy_valid(self.line, block.line)
 
     def are_current(self, block: CuttingInterface) -> bool:
@@ -55,7 +55,7 @@ class CuttingSettings:
 
     def has_piece(self, block: CuttingInterface) -> bool:
         """Whether all is valid that a piece is fixed with."""
-        return var.same(self.cycle, block) and var.same(self.piece, block)
+        return var.same(self.piece, block)
 
 
 def contradiction(block: CuttingInterface) -> Contradiction:
