@@ -24,7 +24,7 @@ class PartFunctions:
         for function, node in self.context.part_functions:
             inner = FIRST_INVALID if function == COPY_VALID else function
             parts = (part for part in self.context.required_classes(node) if part not in self.package.enumerations)
-            called = (part for part in parts if inner == SAME or self.count_tunables(part, {}))
+            called = (part for part in parts if inner == SAME or part is node or self.count_tunables(part, {}))
             needed |= dict.fromkeys((inner, part) for part in called) | {(function, node): None}
         for function, node in needed:
             a, b = (f"const {self.names.name_of(node)} *{name}" for name in "ab")
