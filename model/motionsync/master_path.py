@@ -17,7 +17,7 @@ from .numerics.computable_range import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
 NEVER = 1e300  # s since the step's beginning
-MOST_EVENTS = 10_000_000  # in a section: no block has more than eight in one of a million cycles
+MOST_EVENTS = 10_000_000  # in a section: ten for each of the most cycles that a step may have; so many never happen
 
 
 @dataclass(slots=True)

@@ -393,9 +393,8 @@ class CutToLength(CutToLengthInterface):
         velocity = self.master.present_velocity()
         machine = self.carriage.machine
         piece = self.material.piece
-        distance = self.carriage.homing.end - machine.coupling * self.master.distance_beyond(
-            piece.end, self.master.path.now
-        )
+        beyond_cut = self.master.distance_beyond(piece.end, self.master.path.now)
+        distance = self.carriage.homing.end - machine.coupling * beyond_cut
         if is_crossed and not piece.waits_for_line():
             distance = approach_distance(machine, velocity)  # the same, without the rounding of positions
         earliest = cut_of_start(piece.end, self.carriage, self.master, lead(machine, velocity))

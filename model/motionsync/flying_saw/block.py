@@ -273,6 +273,7 @@ class FlyingSaw(FlyingSawInterface):
             return False
         time = path.until
         path.enter(path.section)
+        path.now = time
         path.reached = self.start_position
         request = self.pending_request
         velocity = self.master.velocity_at(time)

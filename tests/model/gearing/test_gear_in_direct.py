@@ -10,8 +10,10 @@ from tests.model.gearing.harness import (
     NONE,
     TIME,
     WAITING_FOR_START,
+    GearingHarness,
     engaging_direct,
     near,
+    three_halves,
 )
 
 
@@ -67,3 +69,11 @@ def test_direct_without_transition_is_in_gear_at_once_even_at_rest() -> None:
     gear = engaging_direct(StartMode.CW_CCW_DIRECT, 0.0, transition=NONE).run(1.0)
     assert (gear.state, gear.slave) == (ACTIVE, (7.0, 0.0, 0.0))
     assert gear.run(1.0, acceleration=2.0).slave == near(8.5, 3.0, 3.0)
+
+
+def test_a_master_that_sets_off_gently_moves_from_its_first_step_on() -> None:
+    """At 1e6 it travels 1e-9 in 10 ms, less than positions there are told apart by: its velocity counts."""
+    gear = GearingHarness(three_halves(), master_position=1e6, speed=0.0)
+    gear.start(start_mode=StartMode.CW_DIRECT, distance=20.0).run(0.01)
+    assert gear.state == WAITING_FOR_START
+    assert gear.run(0.01, acceleration=2e-5).state == GEAR_IN

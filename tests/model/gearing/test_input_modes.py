@@ -47,3 +47,14 @@ def test_a_step_too_short_to_divide_by_leaves_nothing_infinite() -> None:
     for motion in gear.rows(1.0, cuts=[0.25, 0.5]).values():
         assert all(map(math.isfinite, motion.values()))
     assert gear.state == State.STOPPED
+
+
+def test_a_measured_master_leads_along_the_same_curve_out_of_gear() -> None:
+    """A steady line is measured as it runs: the slave is on the curve from its beginning on, and not on the line."""
+    gear = GearingHarness(three_halves(), speed=10.0, mode=MasterInput.MEASURED)
+    gear.start(start_mode=StartMode.CW_CCW_DIRECT, transition=Transition.NONE).run(0.1, cuts=grid(0.1, 0.01))
+    gear.stop(stop_mode=StopMode.CW_CCW_DIRECT, distance=20.0).run(0.5, cuts=grid(0.5, 0.01))
+    assert gear.state == State.GEAR_OUT
+    assert gear.slave == near(
+        1.5 + 30.0 * (1 / 4 - 1 / 64 + 1 / 512), 15.0 * (1 - 3 / 16 + 2 / 64), -1.5 * (9 / 8) * 5.0, tolerance=1e-7
+    )
