@@ -114,11 +114,6 @@ class CutToLength(CutToLengthInterface):
 
     # --- the parameters ---
 
-    def check_settings(self) -> None:
-        """Take over what was tuned, if it is valid."""
-        if not self.are_settings_current():
-            self.update_settings()
-
     def are_settings_current(self) -> bool:
         """Whether all tunable parameters are valid, and have been taken over."""
         return self.settings.are_current(self) and self.material.settings.are_current(self)
@@ -139,7 +134,8 @@ class CutToLength(CutToLengthInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
-        self.check_settings()
+        if not self.are_settings_current():
+            self.update_settings()
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
@@ -165,7 +161,7 @@ class CutToLength(CutToLengthInterface):
     def obey_pieces(self) -> None:
         """The commands for pieces."""
         factor = self.calibration.factor
-        self.operation.pieces.obey(self, self.records, self.material)
+        self.operation.obey_pieces(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_machine()
 
@@ -191,7 +187,7 @@ class CutToLength(CutToLengthInterface):
 
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
-        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        self.material.watch_marks(self, self.operation.mark_edge.try_rise(self.mark.detected))
         show_marks(self, self.warning, self.local, self.material)
         if self.material.mark_fault != PieceFault.NONE:
             self.fail(self.material.mark_fault)
@@ -256,7 +252,7 @@ class CutToLength(CutToLengthInterface):
         if time == NEVER:
             return False
         if not (self.settings.are_current(self) and self.material.settings.has_cycle(self)):
-            self.operation.pieces.fault = PieceFault.TUNABLE
+            self.operation.refusal = PieceFault.TUNABLE
             return False
         path = self.master.path
         velocity = self.master.present_velocity()

@@ -12,7 +12,7 @@ from .operation import Operation
 
 def show_error(block: CuttingInterface, operation: Operation) -> None:
     """A fault comes before a refusal."""
-    block.error_id = operation.fault if operation.fault != PieceFault.NONE else operation.pieces.fault
+    block.error_id = operation.fault if operation.fault != PieceFault.NONE else operation.refusal
     block.error = block.error_id != PieceFault.NONE
 
 

@@ -140,11 +140,6 @@ class RotaryKnife(RotaryKnifeInterface):
 
     # --- the parameters ---
 
-    def check_settings(self) -> None:
-        """Take over what was tuned, if it is valid."""
-        if not self.are_settings_current():
-            self.update_settings()
-
     def are_settings_current(self) -> bool:
         """Whether all tunable parameters are valid, and have been taken over."""
         return self.settings.are_current(self) and self.material.settings.are_current(self)
@@ -170,7 +165,8 @@ class RotaryKnife(RotaryKnifeInterface):
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
         self.master.path.leave()
-        self.check_settings()
+        if not self.are_settings_current():
+            self.update_settings()
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
@@ -193,7 +189,7 @@ class RotaryKnife(RotaryKnifeInterface):
     def obey_pieces(self) -> None:
         """The commands for pieces."""
         factor = self.calibration.factor
-        self.operation.pieces.obey(self, self.records, self.material)
+        self.operation.obey_pieces(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_window()
 
@@ -288,7 +284,7 @@ class RotaryKnife(RotaryKnifeInterface):
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
         was_fixed = self.material.piece.is_fixed
-        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        self.material.watch_marks(self, self.operation.mark_edge.try_rise(self.mark.detected))
         show_marks(self, self.warning, self.local, self.material)
         if self.material.piece.is_fixed and not was_fixed:
             self.fixed.take_window(self.predictions)
@@ -450,7 +446,7 @@ class RotaryKnife(RotaryKnifeInterface):
         earliest = self.master.path.reached - self.fixed.ramp_begin
         if not self.material.settings.has_cycle(self):
             self.is_blocked = True
-            self.operation.pieces.fault = PieceFault.TUNABLE
+            self.operation.refusal = PieceFault.TUNABLE
             return
         velocity = self.master.present_velocity()
         is_slow = velocity <= self.fixed.ramp_velocity * PUNCTUAL
