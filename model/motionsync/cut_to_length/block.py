@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -154,9 +154,10 @@ class CutToLength(CutToLengthInterface):
             self.leave_material()
         if operation.try_stop(self):
             self.finish_cut()
-        is_off = not self.running and self.carriage.stage == Stage.RESTING
-        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
-            self.set_to_work()
+        if operation.try_take_start(self):
+            is_off = not self.running and self.carriage.stage == Stage.RESTING
+            if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+                self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
@@ -601,7 +602,7 @@ class CutToLength(CutToLengthInterface):
         show_state(self, carriage, self.operation)
         if carriage.stage != Stage.CLEARING:
             self.blade.update(self.tool, carriage.cycle_machine.retract_time)
-        show_queues(self, self.local, material, material.missing_length())
+        show_queues(self, self.local, material, material.missing_length() if self.running else NoLength.NONE)
         show_saw_warnings(self, carriage, self.exceeded, before, h)
         self.local.ease = carriage.homing.share
         self.clock = self.block_clock.time

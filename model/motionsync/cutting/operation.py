@@ -88,13 +88,14 @@ class Operation:
             return True
         return False
 
+    def try_take_start(self, block: CuttingInterface) -> bool:
+        """Whether the command start comes."""
+        return self.start_edge.try_rise(block.start) or (block.auto_start and not self.has_stepped)
+
     def try_start(self, block: CuttingInterface, material: Material, is_off: bool, are_valid: bool) -> bool:
-        """Accept the command start, if it comes, the machine is off, and it has what it needs; else that is refused.
+        """Accept the command start, if the machine is off and has what it needs; else refuse it.
 
         `are_valid`: all tunable parameters are."""
-        is_automatic = block.auto_start and not self.has_stepped
-        if not (self.start_edge.try_rise(block.start) or is_automatic):
-            return False
         can_continue = block.start_mode != StartMode.CONTINUE or material.has_cut
         if not (is_off and self.fault == PieceFault.NONE and can_continue):
             self.refusal = PieceFault.START

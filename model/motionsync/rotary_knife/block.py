@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import LateMode, PieceKind
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -182,9 +182,10 @@ class RotaryKnife(RotaryKnifeInterface):
             self.leave_material()
         if operation.try_stop(self) and self.cycle.stage == Stage.WAITING:
             self.enter_resting()
-        is_off = self.cycle.stage == Stage.RESTING
-        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
-            self.set_to_work()
+        if operation.try_take_start(self):
+            is_off = self.cycle.stage == Stage.RESTING
+            if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+                self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
@@ -752,7 +753,8 @@ class RotaryKnife(RotaryKnifeInterface):
     def show(self, before: float, h: float) -> None:
         """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         show_state(self, self.cycle.stage, self.operation)
-        show_queues(self, self.local, self.material, missing_length(self, self.predictions, self.material))
+        missing = missing_length(self, self.predictions, self.material) if self.running else NoLength.NONE
+        show_queues(self, self.local, self.material, missing)
         if self.cycle.stage in (Stage.RESTING, Stage.WAITING):
             self.exceeded.clear()
         else:
