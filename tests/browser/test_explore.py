@@ -3,7 +3,6 @@
 import csv
 import hashlib
 import random
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -203,35 +202,6 @@ def test_other_lengths_give_other_cuts(chosen: Chosen) -> None:
     slide(visit, "cuts.length", 2000.0)
     assert pieces_at_the_end(visit, 33.0) == 15
     assert visit.readout("cuts") == "15 of 15"
-
-
-def test_orders_of_another_length_are_other_pieces(chosen: Chosen) -> None:
-    """1000 mm/s for 5 s: with pieces of 1500 mm two cuts, with 750 mm twice as many and more."""
-    visit = chosen("CutToLength", "basic_cut")
-    assert pieces_at_the_end(visit, 5.0) == 2
-    slide(visit, "length", 1000.0)
-    assert pieces_at_the_end(visit, 5.0) == 4
-    assert visit.readout("last piece") == "1000.00 mm PRODUCT"
-
-
-def test_a_line_that_follows_is_slower_where_the_saw_is(chosen: Chosen) -> None:
-    visit = chosen("CutToLength", "cyclic_orders")
-    before = pieces_at_the_end(visit, 26.0)
-    slide(visit, "axis.max_velocity", 750.0)
-    assert pieces_at_the_end(visit, 26.0) < before
-    badge(visit, "changed")
-
-
-def test_more_jitter_makes_the_telegrams_worse(chosen: Chosen) -> None:
-    """The picture's window shows 98 % of all errors: its ruler has other numbers."""
-    visit = chosen("RemoteSync", "slow_sender_jitter")
-    numbers = "[...document.querySelectorAll('.motionsync-machine text.soft')].map(e => e.textContent)"
-    before = visit.page.evaluate(numbers)
-    slide(visit, "velocity", 500.0)
-    assert visit.page.evaluate(numbers) != before
-    slide(visit, "jitter", 0.1)
-    assert visit.page.locator("#problem").inner_text() == ""
-    badge(visit, "changed")
 
 
 def test_a_command_acts_at_the_time_that_is_shown(chosen: Chosen) -> None:
@@ -514,17 +484,6 @@ def test_a_saw_that_cannot_keep_up_is_shown(chosen: Chosen) -> None:
     assert log(visit) == "The block has logged nothing."
 
 
-def test_a_knife_that_cannot_keep_up_is_shown(chosen: Chosen) -> None:
-    """Its limit is 4327 mm/s for pieces of 600, and less for those of 400; the log and the lamp have the same count."""
-    visit = chosen("RotaryKnife", "formats")
-    fill(visit, "master.velocity", "4600")
-    visit.show(8.0)
-    assert "warning.any: line_too_fast" in lamps(visit)
-    (skipped,) = re.findall(r"statistics\.skipped (\d+)", lamps(visit))
-    assert int(skipped) > 10
-    assert f"statistics.skipped: cuts left out because they could not be reached: {skipped} in all" in log(visit)
-
-
 def test_a_warning_leads_to_its_time(chosen: Chosen) -> None:
     visit = chosen("CutToLength", "late_skip")
     line = visit.page.get_by_role("button", name="statistics.skipped: cuts left")
@@ -624,11 +583,15 @@ LEGEND = """() => {
 def test_a_page_opens_on_a_telephone_with_a_run_that_plays_and_a_legend(
     open_page: Open, fmus: Fmus, block: str
 ) -> None:
-    """Its most telling scenario, or else the example. Each colour of the legend is one that is drawn."""
+    """Its most telling scenario, or else the example. Each colour of the legend is one that is drawn. Between
+    machine and plots are only the values that are shown, the key and the buttons; what can be changed comes next."""
     visit = open_page(explored(fmus, block).file, width=390)
     visit.page.wait_for_selector("html[data-ready]")
     assert visit.page.get_by_label("Run", exact=True).input_value() == opens_with(block)
     badge(visit, "same bits")
+    boxes = [visit.page.locator(f"#{i}").bounding_box() for i in ("stage", "plots", "knobs", "log")]
+    assert boxes == sorted(boxes, key=lambda box: box["y"])
+    assert 0.0 < boxes[1]["y"] - (boxes[0]["y"] + boxes[0]["height"]) < 360.0
     wide_open(visit)
     if visit.page.locator(".motionsync-machine").is_hidden():
         return  # a block may have no picture
@@ -1135,13 +1098,3 @@ def test_the_first_slider_of_a_line_that_ramps_is_the_velocity_to_which_it_ramps
         shown_velocity = float(row.locator("input[type=number]").input_value())
         assert shown_velocity == pytest.approx(50.0 if name == "at_once" else chosen_velocity + 50.0)
         visit.page.get_by_role("button", name="As scenario.toml").click()
-
-
-def test_on_a_telephone_the_plots_are_right_below_the_machine(open_page: Open, fmus: Fmus, block: str) -> None:
-    """Between the two are only the values that are shown, the key and the buttons; what can be changed comes next."""
-    visit = ready(open_page(explored(fmus, block).file, width=390))
-    top = "e => e.getBoundingClientRect().top + scrollY"
-    machine, plots, knobs, log = (visit.page.locator(f"#{i}").evaluate(top) for i in ("stage", "plots", "knobs", "log"))
-    end = machine + visit.page.locator("#stage").evaluate("e => e.getBoundingClientRect().height")
-    assert machine < end < plots < knobs < log
-    assert plots - end < 360.0

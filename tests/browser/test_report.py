@@ -83,12 +83,6 @@ def test_the_pointer_shows_the_slave_s_values(at_rest: AtRest, name: str) -> Non
             assert values[f"slave {quantity}"] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
-def test_the_pointer_over_the_cuts_shows_where_the_saw_is(at_rest: AtRest) -> None:
-    visit = at_rest(CYCLIC_CUT)
-    time, values = ChartView(visit, CUTS).hover_values(9.0)
-    assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
-
-
 def download_table(visit: Visit, name: str, folder: Path) -> list[dict[str, str]]:
     """The rows of the file that the button of a chart saves."""
     frame = ChartView(visit, name).frame

@@ -18,6 +18,7 @@ from motionsync_fmu.scenario.files.encoder_table import with_encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
 from tests.browser.conftest import Windows, opened_pages, write_machine
 from tests.browser.runs import record, run
@@ -138,7 +139,8 @@ MARKS: dict[str, dict[str, tuple[list[str], list[str]]]] = {
         "rest": (["rest_value"], []),
     },
 }
-"""By label, the variables of a mark's place or of its ends, and when it is shown; empty: always."""
+"""By label, the variables of a mark's place or of its ends, and when it is shown (empty: always); the first is the
+master's mark, the others are the slave's."""
 
 
 @pytest.mark.parametrize("name", COUPLED)
@@ -157,7 +159,8 @@ def test_two_axes_are_coupled_and_marked_as_the_block_says(scene_of: SceneOf, na
     assert changing.any()
     assert (at_points(scene["coupling"], recording) == np.where(coupled, 2, np.where(changing, 1, 0))).all()
     drawn = {mark["label"]: mark for axis in scene["axes"] for mark in axis["marks"]}
-    assert drawn.keys() == MARKS[name].keys()
+    of_master, *of_slave = MARKS[name]
+    assert [[mark["label"] for mark in axis["marks"]] for axis in scene["axes"]] == [[of_master], of_slave]
     for label, (variables, shown) in MARKS[name].items():
         for key, variable in zip(["at"] if len(variables) == 1 else ["from", "to"], variables, strict=True):
             later = scenario.recipe.variables[variable].settable  # what is set at a point is recorded at the next one
@@ -187,6 +190,14 @@ def test_the_periods_of_two_axes_are_those_of_the_start_values(
     scenario, recording = run(name)
     scene = scene_of(replace(scenario, start={**scenario.start, **start}), recording)
     assert [axis["period"] for axis in scene["axes"]] == periods
+
+
+def test_a_mark_moves_when_its_parameter_is_set(scene_of: SceneOf) -> None:
+    scenario, recording = run("Synchronizer/polynomial")
+    settings = [*recording.settings, Setting(1.0, {"rest_value": 77.0})]
+    scene = scene_of(scenario, replace(recording, settings=settings))
+    (rest,) = (mark["at"] for mark in scene["axes"][1]["marks"] if mark["label"] == "rest")
+    assert (at_points(rest, recording) == np.where(recording.time[:-1] < 1.0 - 1e-9, 180.0, 77.0)).all()
 
 
 def test_the_window_holds_the_end_positions_that_are_near(scene_of: SceneOf) -> None:

@@ -19,20 +19,12 @@ from tests.support.fmus import Fmus
 from tests.support.native_host import ROTARY, refused, run_steps, saved
 
 
-def test_a_state_brings_back_the_same_bits_also_in_another_instance(native: Path, host: FmuInstance) -> None:
+def test_a_state_may_be_one_of_another_instance_overwritten_and_freed(native: Path, host: FmuInstance) -> None:
     run_steps(host.initialize(ROTARY), 120, stop=True)
     state, time = host.unit.getFMUstate(), host.time
-    packed = host.unit.serializeFMUstate(state)
     first = run_steps(host, 400, start=True)
-    host.unit.setFMUstate(state)
-    host.time = time
-    assert run_steps(host, 400, start=True) == first
     with FmuInstance(native) as other:
-        other.unit.setFMUstate(other.unit.deSerializeFMUstate(packed))
-        other.time = time
-        assert run_steps(other, 400, start=True) == first
-        host.time = time
-        other.unit.setFMUstate(state)  # a state of another instance
+        other.unit.setFMUstate(state)
         other.time = time
         assert run_steps(other, 400, start=True) == first
     address = state.value

@@ -459,20 +459,6 @@ def test_variables_that_are_always_the_same_share_a_lane(cyclic_cut: Run) -> Non
         assert len([t for t in titles if t.split(" = ")[0] == group[0] and t.count(" = ") == len(group) - 1]) == 1
 
 
-def test_a_bar_is_where_a_boolean_is_true(cyclic_cut: Run) -> None:
-    s, recording = cyclic_cut
-    chart = run_charts(s, recording)["lanes"]
-    (lane,) = [note["y"] for note in chart.layout["annotations"] if note["text"].startswith("gear_in_pos.busy")]
-    (bars,) = [t for t in chart.traces if t["type"] == "bar" and t["y"][0] == round(lane - 0.25)]
-    inside = np.zeros(len(recording.time), bool)
-    for begin, length in zip(bars["base"], bars["x"], strict=True):
-        inside |= (recording.time >= begin - 1e-6) & (recording.time < begin + length - 1e-6)
-    busy = recording.values["gear_in_pos.busy"] > 0.0
-    assert (inside[:-1] == busy[:-1]).all()
-    assert "from %{base" in bars["hovertemplate"]
-    assert "gear_in_pos.busy = .active: <b>true</b>" in bars["hovertemplate"]
-
-
 def test_states_are_shaded_with_the_colours_of_their_key(cyclic_cut: Run, tmp_path: Path) -> None:
     s, recording = cyclic_cut
     text = page(cyclic_cut, tmp_path)

@@ -69,8 +69,8 @@ def simulate(
     recorded: Collection[float] | None = None,
     stride: int = 1,
 ) -> list[Row]:
-    """The outputs of a new block at the ends of its steps, `ends` and the corners: of each `stride`-th step, or of
-    those that end at a time in `recorded`.
+    """The outputs of a new block after its initialization and at the ends of its steps, `ends` and the corners: of each
+    `stride`-th step, or at the times in `recorded`.
 
     An end closer than 1e-9 s to a corner is left out."""
     stepper, feed, fixed = Stepper(block), Feed(script, mode), sorted(corners(script))
@@ -80,12 +80,17 @@ def simulate(
     others = {end for end in ends if 0.0 < end < fixed[-1] and _distance(fixed, end) > 1e-9}
     stepper.initialize({**script["start"], "master.input_mode": mode, **feed.inputs(0.0, after=True)})
     rows = []
-    for number, (begin, end) in enumerate(pairwise(sorted({*fixed, *others}))):
+
+    def record(number: int, time: float) -> None:
+        if number % stride == 0 if recorded is None else time in recorded:
+            rows.append({"time": time, **{name: float(value) for name, value in stepper.get(names).items()}})
+
+    record(0, 0.0)
+    for number, (begin, end) in enumerate(pairwise(sorted({*fixed, *others})), start=1):
         is_end = mode == MasterInput.END_OF_STEP
         master = feed.inputs(end, after=False) if is_end else feed.inputs(begin, after=True)
         stepper.step(end - begin, {**sets.get(begin, {}), **master})
-        if number % stride == 0 if recorded is None else end in recorded:
-            rows.append({"time": end, **{name: float(value) for name, value in stepper.get(names).items()}})
+        record(number, end)
     return rows
 
 

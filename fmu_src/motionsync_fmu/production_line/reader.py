@@ -1,19 +1,23 @@
 """Reads line files. The follower is described like a scenario whose master is the true axis, with the same messages."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..interface.recipe import Recipe
+from ..interface.roles import remote_axis
 from ..scenario.cutting import PieceSpec
-from ..scenario.files.reader import BlockReader, read_block, read_file, read_times
+from ..scenario.files.reader import BlockReader, read_block, read_file, read_scenario, read_times
 from ..scenario.files.tables import TOP
 from ..scenario.files.toml_tables import TomlTable
 from ..scenario.remote_view import RemoteView
-from ..scenario.scenario import Expectation, Scenario
+from ..scenario.scenario import Scenario
 from .line import ENABLE, RAMP, REMOTE, ProductionLine
 
-TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
+OWN = ("remote", "remote_sync", "switches")  # the tables of a line that a scenario of the follower does not have
+TABLES = ("start", "set", "expect", "cuts")
 
 
 def load_line(file: Path) -> ProductionLine:
@@ -25,56 +29,35 @@ def load_line(file: Path) -> ProductionLine:
     top = read_file(file)
     if "on" in top:
         top.fail("on", "a line cannot react: its importers get all inputs before the run; give times in [[set]]")
-    top.allow_only(*TOP.without("tolerance", "step_bound").names, *TABLES)
-    name, unit, slave_unit = read_block(top)
+    top.allow_only(*TOP.without("tolerance", "step_bound").names, *TABLES, *OWN)
+    name, _, _ = read_block(top)
     stop_time, step_size = read_times(top)
-    reader = BlockReader(top, name, stop_time, REMOTE)
-    if reader.axis:
+    if remote_axis(Recipe(name).variables.values()):
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
-    start, settings, expectations = reader.start(), reader.settings(), _read_expectations(reader)
-    cuts = reader.cuts(unit) if "cuts" in top and not reader.piece_variables else None
-    pieces = _read_pieces(reader, unit) if "cuts" in top and reader.piece_variables else None
-    switch_tolerance = _read_switch_tolerance(top, reader.recipe)
-    remote, remote_start = _read_remote(BlockReader(top, REMOTE, stop_time), step_size)
-    follower = Scenario(
-        file=file,
-        text=top.text,
-        title=TOP.value(top, "title"),
-        source=TOP.value(top, "source"),
-        recipe=reader.recipe,
-        unit=unit,
-        slave_unit=slave_unit,
-        stop_time=stop_time,
-        step_size=step_size,
-        scan=step_size,
-        start=start,
-        master=remote.axis,
-        settings=settings,
-        expectations=expectations,
-        cuts=cuts,
-        pieces=pieces,
-    )
-    return ProductionLine(follower, remote, remote_start, switch_tolerance)
+    of_follower = {key: value for key, value in top.values.items() if key not in OWN} | {"master": {}}
+    follower = read_scenario(top.with_values(of_follower), partial(BlockReader, origin=REMOTE))
+    _check_expectations(top, follower)
+    _check_pieces(top, follower.pieces)
+    switch_tolerance = _read_switch_tolerance(top, follower.recipe)
+    remote, start = _read_remote(BlockReader(top, REMOTE, stop_time), step_size)
+    return ProductionLine(replace(follower, master=remote.axis), remote, start, switch_tolerance)
 
 
-def _read_expectations(reader: BlockReader) -> tuple[Expectation, ...]:
-    """The expectations of the follower. Enumerations other than `state` are refused: libcosim cannot read them."""
-    expectations = reader.expectations()
-    for table, e in zip(reader.top.tables("expect"), expectations, strict=True):
+def _check_expectations(top: TomlTable, follower: Scenario) -> None:
+    """Refuse enumerations other than `state`: libcosim cannot read them."""
+    for table, e in zip(top.tables("expect"), follower.expectations, strict=True):
         for name in e.names:
-            if reader.recipe.variables[name].choices and name != "state":
+            if follower.recipe.variables[name].choices and name != "state":
                 table.fail(name, "is an enumeration: in a line, expect its code or something else")
-    return expectations
 
 
-def _read_pieces(reader: BlockReader, unit: str) -> PieceSpec:
-    """How the pieces of the follower are checked."""
-    spec, table = reader.pieces(unit), reader.top.table("cuts")
-    if refused := [key for key in ("lengths", "kinds") if key in table]:
+def _check_pieces(top: TomlTable, spec: PieceSpec | None) -> None:
+    """Refuse what a line does not check of the follower's pieces."""
+    table = top.table("cuts", required=False)
+    if spec and (refused := [key for key in ("lengths", "kinds") if key in table]):
         table.fail(refused[0], "in a line each product is compared with its ordered length: give tolerance and count")
-    if spec.skipped:
+    if spec and spec.skipped:
         table.fail("skipped", f"{spec.skipped} is not allowed: in a line no cut may be skipped")
-    return spec
 
 
 def _read_switch_tolerance(top: TomlTable, recipe: Recipe) -> float | None:

@@ -172,16 +172,19 @@ class Database:
         return UserError(f"{self.folder}: {str(error).splitlines()[0]}")
 
 
+def literal(number: float) -> str:
+    """A number in a query, with all its bits: DuckDB would take its digits for those of a decimal."""
+    return f"'{number!r}'::DOUBLE"
+
+
 def _holds(comparison: Comparison, column: Column) -> str:
     """A comparison in a query: true or false, also where the row has no value."""
     value = comparison.value
-    literal = (
-        _text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else f"{value!r}"
-    )
     if column.kind is ColumnKind.NUMBER:
-        sides = f"{column.sql}::DOUBLE {comparison.sign} '{literal}'::DOUBLE"
+        sides = f"{column.sql}::DOUBLE {comparison.sign} {literal(float(value))}"
         return f"coalesce(NOT isnan({column.sql}::DOUBLE) AND {sides}, false)"
-    return f"coalesce({column.sql} {comparison.sign} {literal}, false)"
+    text = _text(value) if isinstance(value, str) else str(value).lower()
+    return f"coalesce({column.sql} {comparison.sign} {text}, false)"
 
 
 def _code(column: Column) -> str:

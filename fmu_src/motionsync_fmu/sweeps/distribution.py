@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenario.engineering import ROUNDING, engineering
-from .database import ColumnKind, Database
+from .database import ColumnKind, Database, literal
 from .result_columns import TOLERANCE, TRUE_LENGTH_ERRORS
 
 BINS = 1_000_000  # between the least and the greatest value: so exact are quantiles
@@ -103,7 +103,7 @@ def find_distribution(db: Database, name: str) -> Distribution | None:
     """
     column = db.columns[name]
     numbers = column.sql if column.kind is ColumnKind.LIST else f"[{column.sql}::DOUBLE]"
-    db.do(f"CREATE OR REPLACE VIEW numbers AS SELECT *, [x FOR x IN {numbers} IF isfinite(x)] AS numbers FROM runs")
+    db.do(f"CREATE OR REPLACE VIEW numbers AS SELECT [x FOR x IN {numbers} IF isfinite(x)] AS numbers FROM runs")
     m = db.one("""
         SELECT count(*) AS count, avg(v) AS mean, stddev_samp(v) AS sigma, min(v) AS least, max(v) AS greatest,
             (SELECT count(*) FROM numbers WHERE len(numbers) > 0) AS runs
@@ -115,7 +115,7 @@ def find_distribution(db: Database, name: str) -> Distribution | None:
     spread = greatest - least
     if count > 1 and not spread:
         mean, sigma = least, 0.0  # without rounding
-    place = f"least(floor({BINS} * (v - {least!r}) / {spread!r}), {BINS - 1})::INTEGER" if spread else "0"
+    place = f"least(floor({BINS} * (v - {literal(least)}) / {literal(spread)}), {BINS - 1})::INTEGER" if spread else "0"
     bins = db.ask(f"SELECT {place} AS bin, count(*) AS n FROM (SELECT unnest(numbers) AS v FROM numbers) GROUP BY bin")
     counts = np.zeros(BINS, np.int64)
     counts[bins["bin"]] = bins["n"]
@@ -140,13 +140,13 @@ def _find_capability(db: Database, d: Distribution, tolerance: float) -> Capabil
     index?" (Applied Statistics 39, 1990): 1 / (9 n) + C_pk^2 / (2 n)."""
     margin = tolerance - abs(d.mean)
     c_pk = margin / (3.0 * d.sigma) if d.sigma > ROUNDING * tolerance else math.copysign(math.inf, margin)
-    beyond = f"[e FOR e IN numbers IF abs(e) > {tolerance!r}]"
+    beyond = f"[e FOR e IN numbers IF abs(e) > {literal(tolerance)}]"
     outside = int(db.one(f"SELECT sum(len({beyond})) AS n FROM numbers")["n"])
     if d.runs < 2 or not math.isfinite(c_pk):
         return Capability(tolerance, outside, c_pk, math.nan, math.nan)
     from scipy.special import stdtrit  # noqa: PLC0415 (it takes long to load)
 
-    scaled = f"(e - {d.mean!r}) / {d.sigma!r}"
+    scaled = f"(e - {literal(d.mean)}) / {literal(d.sigma)}"
     linear = (
         f"({-math.copysign(1.0, d.mean) / 3.0!r} * {scaled} - {0.5 * c_pk!r} * (({scaled}) ** 2 - 1.0)) / {d.count}"
     )

@@ -113,12 +113,8 @@ class Workers:
         """Start them, in a session of their own: the Ctrl-C of a terminal is for the command alone."""
         command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", address]
         command += ["--nworkers", str(number), "--nthreads", "1", "--memory-limit", "0", "--host", LOCALHOST]
-        command += [
-            "--no-dashboard",
-            "--dashboard-address",
-            f"{LOCALHOST}:0",
-        ]  # its HTTP server is there anyway
         command += ["--death-timeout", "60", "--local-directory", str(folder)]
+        command += ["--no-dashboard", "--dashboard-address", f"{LOCALHOST}:0"]  # its HTTP server is there anyway
         path = os.pathsep.join(filter(None, sys.path))
         windows: Any = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
         self.log = folder / "workers.log"
@@ -139,8 +135,8 @@ class Workers:
             UserError: they have.
         """
         if self.process.poll() is not None:
-            lines = filter(str.strip, self.log.read_text("utf-8", "replace").splitlines())
-            raise UserError(f"the workers have ended; their last line: {[*lines, 'nothing'][-2:][0].strip()}")
+            lines = self.log.read_text("utf-8", "replace").strip().splitlines() or ["nothing"]
+            raise UserError(f"the workers have ended; their last line: {lines[-1].strip()}")
 
     def end(self) -> None:
         """End them at once, and what they have started; what they were working on is lost."""

@@ -14,6 +14,7 @@ from ..cutting.operation import Operation
 from ..cutting.outputs import show_line_request, show_marks, show_queues, show_skipped_cut
 from ..cutting.pieces import fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
+from ..cutting.reserve import Reserve
 from ..master import PathRefusal
 from ..master_path import MOST_EVENTS, NEVER
 from ..motion.exceeded_limit import ExceededLimit
@@ -21,7 +22,6 @@ from ..numerics.cosine import cosine
 from .blade import Blade, stage_end
 from .carriage import Carriage, Stage
 from .carriage_curve import can_open_gap
-from .cycle_reserve import CycleReserve
 from .faults import Fault, Refusal, SkipReason
 from .homing_motion import is_accelerating
 from .instants import Condition, first_instant, has_reached_start
@@ -60,7 +60,7 @@ class CutToLength(CutToLengthInterface):
     # The cycle under way.
     carriage: Carriage = var.part(Carriage)
     blade: Blade = var.part(Blade)
-    reserve: CycleReserve = var.part(CycleReserve)
+    reserve: Reserve = var.part(Reserve)
     sync_time: float = 0.0  # the block's time
 
     block_clock: Clock = var.part(Clock)
@@ -94,7 +94,7 @@ class CutToLength(CutToLengthInterface):
         self.local.skip_reason = SkipReason.NONE
         self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.advance_clocks(h)
@@ -195,7 +195,7 @@ class CutToLength(CutToLengthInterface):
 
     # --- the master's path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
@@ -272,7 +272,7 @@ class CutToLength(CutToLengthInterface):
             return False
         self.master.path.now = time
         self.carriage.is_ready = True
-        self.reserve.ready_clock.start(time)
+        self.reserve.wait(time)
         return True
 
     def try_event_approaching(self) -> bool:
@@ -446,7 +446,7 @@ class CutToLength(CutToLengthInterface):
         carriage.cut_timeout = self.settings.tool.timeout
         carriage.curve.plan_approach(carriage.cycle_machine.coupling, carriage.homing.end, distance)
         carriage.cut = self.material.piece.end
-        self.reserve.start_approach(self.master.path.now, is_late)
+        self.reserve.start_cut(self.master.path.now, is_late)
         self.blade.is_early = False
         self.local.start_time = self.block_clock.time + self.master.path.now
         self.carriage.stage = Stage.APPROACHING
@@ -543,7 +543,7 @@ class CutToLength(CutToLengthInterface):
         else:
             self.carriage.enter_waiting()
             self.carriage.is_ready = True
-            self.reserve.ready_clock.start(self.master.path.now)
+            self.reserve.wait(self.master.path.now)
 
     def command_tool(self, down: bool) -> None:
         """Command the tool, if that is a change."""

@@ -99,7 +99,7 @@ class FlyingSaw(FlyingSawInterface):
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.motion.advance(h)
@@ -401,7 +401,7 @@ class FlyingSaw(FlyingSawInterface):
 
     # --- the path of the step ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Follow a section of the master's path, which is divided where a waiting command starts.
 
         Section 0, the input correction, takes no time, so no event that depends on time occurs there."""

@@ -75,7 +75,7 @@ class Follower(FollowerInterface):
             self.master.watch_travel()
         self.local.drop_reason = DropReason.NONE
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.motion.advance(h)
@@ -184,7 +184,7 @@ class Follower(FollowerInterface):
 
     # --- the master's path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Carry out the events in a section of the master's path; section 0 is the input correction."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):

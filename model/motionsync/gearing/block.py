@@ -75,7 +75,7 @@ class Gearing(GearingInterface):
         if self.manoeuvre.stage in (Stage.STOPPED, Stage.ACTIVE, Stage.FROZEN):
             self.master.watch_travel()
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.manoeuvre.time_curve.advance(h)
@@ -194,7 +194,7 @@ class Gearing(GearingInterface):
 
     # --- the master's path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Carry out the events on a section of the master's path one after the other."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):

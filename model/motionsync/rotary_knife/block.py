@@ -22,6 +22,7 @@ from ..cutting.outputs import (
 from ..cutting.piece import UNLIMITED
 from ..cutting.pieces import can_change_pieces, fix_piece, record_piece, try_drop_turns
 from ..cutting.records import PieceRecords, increased
+from ..cutting.reserve import Reserve
 from ..master import PathRefusal
 from ..master_path import MOST_EVENTS, NEVER
 from ..motion.axis_limits import AxisLimits
@@ -36,7 +37,7 @@ from .faults import Refusal, SkipReason
 from .interface import RotaryKnifeInterface
 from .knife import Knife
 from .outputs import show_peaks, show_state
-from .parking import Parking, RestTime
+from .parking import Parking
 from .pieces import FixedPiece, changed_cut, missing_length, skip_cuts_before, skip_to_reached_cut
 from .predictions import Predictions
 from .settings import KnifeSettings, describe_knife
@@ -78,7 +79,7 @@ class RotaryKnife(RotaryKnifeInterface):
     departure: Departure = var.part(Departure)
     cycle_peaks: Peaks = var.part(Peaks)
     parking: Parking = var.part(Parking)
-    rest_time: RestTime = var.part(RestTime)
+    reserve: Reserve = var.part(Reserve)
     is_blocked: bool = False  # the ramp up: a parameter that it needs is out of its range
     is_ramp_too_fast: bool = False
     is_change_pending: bool = False
@@ -122,7 +123,7 @@ class RotaryKnife(RotaryKnifeInterface):
         self.local.skip_reason = SkipReason.NONE
         self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.advance_clocks(h)
@@ -135,7 +136,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def advance_clocks(self, h: float) -> None:
         self.block_clock.advance(h)
-        self.rest_time.advance(h)
+        self.reserve.advance(h)
         self.parking.motion.advance(h)
 
     # --- the parameters ---
@@ -198,7 +199,8 @@ class RotaryKnife(RotaryKnifeInterface):
         """Fix the first piece, and wait for its cut."""
         self.running = True
         self.fixed.is_late = False
-        self.rest_time.start(self.master.path.now)
+        self.reserve.reset()
+        self.reserve.wait(self.master.path.now)
         is_sample_pending = self.material.is_sample_pending
         settings = self.material.settings
         self.material.start(self.start_mode, self.master.begin, settings.start.front_position / settings.factor)
@@ -294,7 +296,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     # --- the master's path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):
@@ -427,11 +429,11 @@ class RotaryKnife(RotaryKnifeInterface):
     def enter_section(self, index: int) -> None:
         """The knife comes to the next section of its cycle, or back to the one before."""
         is_forward = index > self.cycle.present
-        self.rest_time.leave(self.master.path.now)
+        self.reserve.leave(self.master.path.now)
         self.cycle.enter(index)
         if self.cycle.stage != Stage.WAITING:
             return
-        self.rest_time.rest(self.master.path.now)
+        self.reserve.wait(self.master.path.now)
         self.master.watch_travel()
         if self.operation.is_stopping:
             self.enter_resting()
@@ -541,10 +543,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_cut_refused = False
         var.copy(self.last_window, self.planned_cut.window)
         self.has_last_window = True
-        reserve = self.rest_time.share(self.master.path.now, self.fixed.is_late)
+        self.reserve.start_cut(self.master.path.now, self.fixed.is_late)
         time = self.block_clock.time + self.master.path.now
-        record_piece(self, self.material, self.records, self.planned_cut.place, time, reserve)
-        self.rest_time.cut(self.master.path.now)
+        record_piece(self, self.material, self.records, self.planned_cut.place, time, self.reserve.share)
+        self.reserve.end_cut()
         self.predictions.is_cycle_current = False
         self.fix_piece(False)
 
@@ -661,7 +663,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def enter_parking(self) -> None:
         """From the cycle to park."""
-        self.rest_time.leave(self.master.path.now)
+        self.reserve.leave(self.master.path.now)
         self.parking.plan(self.knife_data, self.cycle, self.master)
         self.cycle.stage = Stage.PARKING
         if self.operation.fault != PieceFault.NONE:

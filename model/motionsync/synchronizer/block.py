@@ -71,7 +71,7 @@ class Synchronizer(SynchronizerInterface):
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
         for section in range(self.master.path.sections):
-            self.travel(section)
+            self.follow_section(section)
             if section == 0:
                 self.obey()
         self.set_slave()
@@ -148,7 +148,7 @@ class Synchronizer(SynchronizerInterface):
 
     # --- the path ---
 
-    def travel(self, section: int) -> None:
+    def follow_section(self, section: int) -> None:
         """Follow a section of the master's path; where a command ends, the stacked one starts."""
         self.master.path.enter(section)
         for _ in range(MOST_EVENTS):

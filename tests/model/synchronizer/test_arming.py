@@ -1,9 +1,15 @@
 """When a command of the Synchronizer is armed, and in which turn of the master its ramp starts."""
 
-import pytest
+from itertools import pairwise
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motionsync.master import MasterInput
 from motionsync.synchronizer.interface import Curve
-from tests.model.synchronizer.harness import END, EXECUTING, PARABOLA, POLYNOMIAL, READY, Harness
+from tests.model.synchronizer.harness import END, EXECUTING, ONLY, PARABOLA, POLYNOMIAL, READY, START, Harness
+from tests.support.drawn import drawn
 
 
 @pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])
@@ -108,3 +114,54 @@ def test_a_correction_of_a_master_that_goes_against_the_sign_does_not_lead_onto_
     rig.at = 20.5
     rig.move(-1.0, 0.0, 0.25).shows(EXECUTING, s=False).slave(30.0, 0.0)
     assert rig.block.local.distance_to_begin == pytest.approx(49.75)
+
+
+dyadic = st.integers(1, 64).map(lambda number: number / 16)
+
+
+@drawn(250)
+@given(
+    st.sampled_from([PARABOLA, POLYNOMIAL]),
+    st.booleans(),
+    st.sampled_from([1.0, -1.0]),
+    st.sampled_from([START, END, ONLY]),
+    st.sampled_from([0.0, 100.0, 360.0]),
+    dyadic,
+    st.sampled_from([1.0, 0.25, 2.0**-7]),
+    st.lists(dyadic, min_size=2, max_size=12),
+    st.integers(0, 10),
+)
+def test_against_the_sign_nothing_ramps_at_any_communication_point(
+    curve: Curve,
+    starting: bool,
+    sign: float,
+    mode: MasterInput,
+    period: float,
+    size: float,
+    h: float,
+    speeds: list[float],
+    hit: int,
+) -> None:
+    """The master goes against the sign, from speed to speed or (its position alone) at one speed. All numbers are
+    dyadic, so that a communication point is exactly where the ramp would begin: D before the rest position, of a
+    polynomial's start 7/8 D. The slave stays at rest, or is the master."""
+    before = size * 7 / 8 if starting and curve == POLYNOMIAL else size
+    pairs = list(pairwise(speeds if mode != ONLY else speeds[:1] * len(speeds)))
+    motions = [(-sign * first, -sign * (second - first) / h) for first, second in pairs]
+    travels = [(velocity + 0.5 * acceleration * h) * h for velocity, acceleration in motions]
+    begin = sum(travels[: hit % len(travels) + 1])
+    rest = begin + sign * before
+    rig = Harness(0.0, period=period, curve=curve, output_phasing=sign * size, mode=mode)
+    rig.block.master.velocity = motions[0][0]
+    if starting:
+        rig.rest_at(rest)
+    commands = {"start": starting, "stop": not starting, "rest_value": rest}
+    for velocity, acceleration in motions:
+        rig.move(velocity, acceleration, h, **commands).shows(EXECUTING, s=not starting)
+        slave, master = rig.block.slave, rig.block.master
+        if starting:
+            at_rest = rest % period if period > 0.0 else rest
+            assert (slave.position, slave.velocity, slave.acceleration, slave.jerk) == (at_rest, 0.0, 0.0, 0.0)
+        else:
+            assert (slave.position, slave.velocity) == (master.smoothed_position, master.end_velocity)
+            assert (slave.acceleration, slave.jerk) == (master.end_acceleration, 0.0)

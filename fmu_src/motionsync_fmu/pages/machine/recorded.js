@@ -8,6 +8,6 @@ function column({scale, steps}) {
 }
 
 unpackedJson(given.textContent, (_, x) => (x?.steps ? column(x) : x)).then(({block, scenario, columns}) => {
-  const {time, axes, values, errors} = columns;
+  const {time, axes, values} = columns, errors = {time: time.subarray(1), ...columns.errors};
   load(sceneOf({scenario, time, errors, axis: (order) => axes[order], column: (name) => values[name]}, block));
 });

@@ -39,15 +39,14 @@ def recorded_machine(scenario: Scenario, recording: Recording) -> dict[str, Any]
     if not (block["pictures"] or scenario.remote):
         return None
     names = _needed(scenario, block["pictures"])
+    marks = {"while": cuts.name, "length": cuts.length, "offset": cuts.offset, "ratio": cuts.ratio} if cuts else {}
     return {
         "block": block | {"variables": [variable_json(scenario.recipe.variables[name]) for name in names]},
         "scenario": {
             "units": units_of(scenario),
             "start": plain_values(scenario.start),
             "remote": bool(scenario.remote),
-            "cuts": {"while": cuts.name, "length": cuts.length, "offset": cuts.offset, "ratio": cuts.ratio}
-            if cuts
-            else {},
+            "cuts": marks,
         },
         "columns": _columns(scenario, recording, names),
     }
@@ -72,15 +71,11 @@ def _columns(scenario: Scenario, recording: Recording, names: list[str]) -> dict
     switches = [x for name, x in values.items() if scenario.recipe.variables[name].kind != "Real"]
     points = _retained(len(recording.time), switches)
     errors = remote_errors(scenario.remote, recording) if scenario.remote else None
-    ticks = np.rint(recording.time[points] * TICKS)
     return {
-        "time": _steps(ticks, TICKS),
+        "time": _steps(np.rint(recording.time[points] * TICKS), TICKS),
         "axes": [_packed(recording.master[points, order]) for order in (0, 1)],
         "values": {name: _packed(column[points]) for name, column in values.items()},
-        "errors": {"time": _steps(ticks[1:], TICKS)}
-        | {name: _packed(getattr(errors, name)[points[1:] - 1]) for name in ERRORS}
-        if errors
-        else None,
+        "errors": {name: _packed(getattr(errors, name)[points[1:] - 1]) for name in ERRORS} if errors else None,
     }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import UserError
 from ...scenario.recording import Reals
-from ..database import Answer, Column, ColumnKind, Database
+from ..database import Answer, Column, ColumnKind, Database, literal
 
 DISTINCT = 4000  # a column with more values than this is divided evenly, whatever its values are
 RUNS_A_CELL = 8  # on average, of a plane that is divided evenly
@@ -98,7 +98,7 @@ def _evenly(db: Database, column: Column, cells: int) -> Axis:
     ends = db.one(f"SELECT min({column.number}) AS low, max({column.number}) AS high FROM runs")
     edges: Reals = np.linspace(ends["low"], ends["high"], cells + 1, dtype=np.float64)
     low, high = float(edges[0]), float(edges[-1])
-    share = f"({column.number} - {low!r}::DOUBLE) / {high - low!r}::DOUBLE"
+    share = f"({column.number} - {literal(low)}) / {literal(high - low)}"
     cell = f"least(floor({share} * {cells}), {cells - 1})::INTEGER"
     return Axis(column, edges, edges[:-1], edges[1:], cell)
 

@@ -11,7 +11,7 @@ from ...errors import UserError
 from ...pages.report.histogram import Histogram, bar_borders
 from ...scenario.engineering import engineering
 from ..conditions import RowCondition
-from ..database import Answer, Column, ColumnKind, Database
+from ..database import Answer, Column, ColumnKind, Database, literal
 from ..distribution import MOST, SHARES, Distribution, find_distribution
 from ..result_columns import TRUE_LENGTH_ERRORS, TRUE_PIECES
 from ..table import Rows
@@ -143,11 +143,11 @@ def build_distribution(db: Database, rows: Rows, question: Question) -> Distribu
 def _bars(db: Database, column: Column, values: Distribution) -> tuple[Axis, Answer]:
     borders = bar_borders(values.least, values.greatest, values.count, abs(values.worst))
     first, width, bars = float(borders[0]), float(borders[1] - borders[0]), len(borders) - 1
-    cell = f"greatest(least(floor((v - {first!r}::DOUBLE) / {width!r}::DOUBLE), {bars - 1}), 0)::INTEGER"
+    cell = f"greatest(least(floor((v - {literal(first)}) / {literal(width)}), {bars - 1}), 0)::INTEGER"
     value = f"unnest({column.sql})" if column.kind is ColumnKind.LIST else column.number
     answer = db.ask(f"""
         SELECT {cell} AS cx, count(*) AS count, count(DISTINCT run) AS runs,
-            arg_max(run, (abs(v - {values.mean!r}::DOUBLE), -run)) AS pick
+            arg_max(run, (abs(v - {literal(values.mean)}), -run)) AS pick
         FROM (SELECT run, {value} AS v FROM runs) WHERE isfinite(v) GROUP BY cx ORDER BY cx""")
     return Axis(column, borders, borders[:-1], borders[1:], cell), answer
 
