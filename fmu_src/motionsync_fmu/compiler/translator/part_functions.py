@@ -25,18 +25,25 @@ class PartFunctions:
             inner = FIRST_INVALID if function == COPY_VALID else function
             parts = (part for part in self.context.required_classes(node) if part not in self.package.enumerations)
             needed |= dict.fromkeys((inner, part) for part in parts) | {(function, node): None}
-        for function, node in needed:
-            a, b = (f"const {self.names.name_of(node)} *{name}" for name in "ab")
-            name = self.names.part_functions[function, node]
-            if function == SAME:
-                head, rows = f"bool {name}({a}, {b})", [*self.comparison(node), "return true;"]
-            elif function == FIRST_INVALID:
-                head, rows = f"int64_t {name}({a})", ["int64_t n = 0;", *self.range_tests(node), "return n;"]
-            else:
-                head = f"void {name}({a.removeprefix('const ')}, {b})"
-                rows = [f"if ({self.names.part_functions[FIRST_INVALID, node]}(b) == 0) *a = *b;"]
-            body = (f"    {line}" for row in rows for line in fold(row))
-            yield "\n".join([*fold(f"static inline {head} {{"), *body, "}", ""])
+        texts = {self.names.part_functions[key]: self.text(*key) for key in needed}
+        called = {self.names.part_functions[key] for key in self.context.part_functions}
+        for name in reversed(texts):  # a part without a tunable is not tested
+            called |= {callee for callee in texts if f"{callee}(" in texts[name]} if name in called else set()
+        yield from (text for name, text in texts.items() if name in called)
+
+    def text(self, function: str, node: ast.ClassDef) -> str:
+        """One function of one class."""
+        a, b = (f"const {self.names.name_of(node)} *{name}" for name in "ab")
+        name = self.names.part_functions[function, node]
+        if function == SAME:
+            head, rows = f"bool {name}({a}, {b})", [*self.comparison(node), "return true;"]
+        elif function == FIRST_INVALID:
+            head, rows = f"int64_t {name}({a})", ["int64_t n = 0;", *self.range_tests(node), "return n;"]
+        else:
+            head = f"void {name}({a.removeprefix('const ')}, {b})"
+            rows = [f"if ({self.names.part_functions[FIRST_INVALID, node]}(b) == 0) *a = *b;"]
+        body = (f"    {line}" for row in rows for line in fold(row))
+        return "\n".join([*fold(f"static inline {head} {{"), *body, "}", ""])
 
     def comparison(self, node: ast.ClassDef) -> Iterator[str]:
         """Two parts are compared field by field, those inside after the numbers."""
