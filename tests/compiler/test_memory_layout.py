@@ -238,7 +238,7 @@ class WiderRanges(Ranges):
 
 @dataclass(slots=True)
 class Validator:
-    kept: Ranges = var.part(Ranges, hidden=True)
+    stored: Ranges = var.part(Ranges, hidden=True)
     given: WiderRanges = var.part(WiderRanges)
     first: int = 0
 
@@ -247,7 +247,7 @@ class Validator:
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
-        var.copy_valid(self.kept, self.given)
+        var.copy_valid(self.stored, self.given)
         return Refusal.NONE
 
 
@@ -279,7 +279,7 @@ def test_a_parameter_out_of_its_declared_range_is_numbered_and_its_part_not_copi
         assert compiled.memory["first"] == block.first == (0 if value in allowed else number)
         assert compiled.step(1.0) == block.step(1.0) == 0
         assert equal(block, compiled)
-        assert block.kept.inner.values[1] == (3.0 if name == "more" or value in allowed else 0.0)
+        assert block.stored.inner.values[1] == (3.0 if name == "more" or value in allowed else 0.0)
 
 
 STEPS = (1.0, 2.0, 0.1, -0.0, 0.0, -0.75, -1e-300, 5e-324, 0.375, 1.125, -0.375, 7.5, 1e6, 1.1e6, -1e15, 1e12)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import Source
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -114,11 +114,6 @@ class CutToLength(CutToLengthInterface):
 
     # --- the parameters ---
 
-    def check_settings(self) -> None:
-        """Take over what was tuned, if it is valid."""
-        if not self.are_settings_current():
-            self.update_settings()
-
     def are_settings_current(self) -> bool:
         """Whether all tunable parameters are valid, and have been taken over."""
         return self.settings.are_current(self) and self.material.settings.are_current(self)
@@ -139,7 +134,8 @@ class CutToLength(CutToLengthInterface):
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
-        self.check_settings()
+        if not self.are_settings_current():
+            self.update_settings()
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
@@ -158,14 +154,15 @@ class CutToLength(CutToLengthInterface):
             self.leave_material()
         if operation.try_stop(self):
             self.finish_cut()
-        is_off = not self.running and self.carriage.stage == Stage.RESTING
-        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
-            self.set_to_work()
+        if operation.try_take_start(self):
+            is_off = not self.running and self.carriage.stage == Stage.RESTING
+            if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+                self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
         factor = self.calibration.factor
-        self.operation.pieces.obey(self, self.records, self.material)
+        self.operation.obey_pieces(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_machine()
 
@@ -191,7 +188,7 @@ class CutToLength(CutToLengthInterface):
 
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
-        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        self.material.watch_marks(self, self.operation.mark_edge.try_rise(self.mark.detected))
         show_marks(self, self.warning, self.local, self.material)
         if self.material.mark_fault != PieceFault.NONE:
             self.fail(self.material.mark_fault)
@@ -256,7 +253,7 @@ class CutToLength(CutToLengthInterface):
         if time == NEVER:
             return False
         if not (self.settings.are_current(self) and self.material.settings.has_cycle(self)):
-            self.operation.pieces.fault = PieceFault.TUNABLE
+            self.operation.refusal = PieceFault.TUNABLE
             return False
         path = self.master.path
         velocity = self.master.present_velocity()
@@ -604,7 +601,7 @@ class CutToLength(CutToLengthInterface):
         show_state(self, carriage, self.operation)
         if carriage.stage != Stage.CLEARING:
             self.blade.update(self.tool, carriage.cycle_machine.retract_time)
-        show_queues(self, self.local, material, material.missing_length())
+        show_queues(self, self.local, material, material.missing_length() if self.running else NoLength.NONE)
         show_saw_warnings(self, carriage, self.exceeded, before, h)
         self.local.ease = carriage.homing.share
         self.clock = self.block_clock.time

@@ -36,7 +36,7 @@ class OrderQueue:
         return self.remaining[self.first % CAPACITY] if self.waiting > 0 else 0.0
 
     def append(self, length: float, quantity: float) -> None:
-        """Append an order to the queue, which is not full: `PieceCommands` (`commands.py`) refuses one too many."""
+        """Append an order to the queue, which is not full: `Operation` refuses one too many."""
         slot = (self.first + self.waiting) % CAPACITY
         self.lengths[slot] = length
         self.quantities[slot] = quantity

@@ -12,7 +12,7 @@ from .operation import Operation
 
 def show_error(block: CuttingInterface, operation: Operation) -> None:
     """A fault comes before a refusal."""
-    block.error_id = operation.fault if operation.fault != PieceFault.NONE else operation.pieces.fault
+    block.error_id = operation.fault if operation.fault != PieceFault.NONE else operation.refusal
     block.error = block.error_id != PieceFault.NONE
 
 
@@ -42,7 +42,7 @@ def show_queues(block: CuttingInterface, local: CuttingLocal, material: Material
     block.order.remaining = int(orders.remaining_pieces())
     block.order.length_active = orders.length(0) if orders.waiting > 0 else 0.0
     local.marks_waiting = material.marks.waiting
-    local.no_length = missing if block.running else NoLength.NONE
+    local.no_length = missing
 
 
 def show_marks(block: CuttingInterface, warning: CuttingWarnings, local: CuttingLocal, material: Material) -> None:

@@ -18,7 +18,7 @@ def fix_piece(operation: Operation, material: Material, can_fix: bool, is_open: 
 
     `can_fix`: all is valid that a piece is fixed with."""
     if not can_fix:
-        operation.pieces.fault = PieceFault.TUNABLE
+        operation.refusal = PieceFault.TUNABLE
     elif is_open:
         material.fix_open_piece()
     else:

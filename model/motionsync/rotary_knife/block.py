@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import LateMode, PieceKind
 from ..cutting.material import Material
 from ..cutting.operation import Operation
@@ -141,11 +141,6 @@ class RotaryKnife(RotaryKnifeInterface):
 
     # --- the parameters ---
 
-    def check_settings(self) -> None:
-        """Take over what was tuned, if it is valid."""
-        if not self.are_settings_current():
-            self.update_settings()
-
     def are_settings_current(self) -> bool:
         """Whether all tunable parameters are valid, and have been taken over."""
         return self.settings.are_current(self) and self.material.settings.are_current(self)
@@ -171,7 +166,8 @@ class RotaryKnife(RotaryKnifeInterface):
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""
         self.master.path.leave()
-        self.check_settings()
+        if not self.are_settings_current():
+            self.update_settings()
         self.obey_machine()
         self.obey_pieces()
         self.watch_marks()
@@ -187,14 +183,15 @@ class RotaryKnife(RotaryKnifeInterface):
             self.leave_material()
         if operation.try_stop(self) and self.cycle.stage == Stage.WAITING:
             self.enter_resting()
-        is_off = self.cycle.stage == Stage.RESTING
-        if operation.try_start(self, self.material, is_off, self.are_settings_current()):
-            self.set_to_work()
+        if operation.try_take_start(self):
+            is_off = self.cycle.stage == Stage.RESTING
+            if operation.try_start(self, self.material, is_off, self.are_settings_current()):
+                self.set_to_work()
 
     def obey_pieces(self) -> None:
         """The commands for pieces."""
         factor = self.calibration.factor
-        self.operation.pieces.obey(self, self.records, self.material)
+        self.operation.obey_pieces(self, self.records, self.material)
         if self.calibration.factor != factor:
             self.describe_window()
 
@@ -290,7 +287,7 @@ class RotaryKnife(RotaryKnifeInterface):
     def watch_marks(self) -> None:
         """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
         was_fixed = self.material.piece.is_fixed
-        self.material.watch_marks(self, self.operation.pieces.mark.try_rise(self.mark.detected))
+        self.material.watch_marks(self, self.operation.mark_edge.try_rise(self.mark.detected))
         show_marks(self, self.warning, self.local, self.material)
         if self.material.piece.is_fixed and not was_fixed:
             self.fixed.take_window(self.predictions)
@@ -452,7 +449,7 @@ class RotaryKnife(RotaryKnifeInterface):
         earliest = self.master.path.reached - self.fixed.ramp_begin
         if not self.material.settings.has_cycle(self):
             self.is_blocked = True
-            self.operation.pieces.fault = PieceFault.TUNABLE
+            self.operation.refusal = PieceFault.TUNABLE
             return
         velocity = self.master.present_velocity()
         is_slow = velocity <= self.fixed.ramp_velocity * PUNCTUAL
@@ -758,7 +755,8 @@ class RotaryKnife(RotaryKnifeInterface):
     def show(self, before: float, h: float) -> None:
         """What is shown of the machine from the first step on; of h seconds, from the setpoint `before`."""
         show_state(self, self.cycle.stage, self.operation)
-        show_queues(self, self.local, self.material, missing_length(self, self.predictions, self.material))
+        missing = missing_length(self, self.predictions, self.material) if self.running else NoLength.NONE
+        show_queues(self, self.local, self.material, missing)
         if self.cycle.stage in (Stage.RESTING, Stage.WAITING):
             self.exceeded.clear()
         else:

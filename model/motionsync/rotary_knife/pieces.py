@@ -50,7 +50,7 @@ class FixedPiece:
         if piece.kind != PieceKind.TRIM and is_too_long(block, predictions, piece.pitch):
             piece.reset()
             material.is_sample_pending = is_sample_pending
-            operation.pieces.fault = PieceFault.TUNABLE
+            operation.refusal = PieceFault.TUNABLE
         else:
             self.take_window(predictions)
 
