@@ -21,13 +21,14 @@ from motionsync.master import MasterInput
 from motionsync_fmu.fmus.zip import zip_bytes
 from motionsync_fmu.interface.block_folder import block_file
 from motionsync_fmu.interface.build_time import FIRST_INSTANT
+from motionsync_fmu.runner.points import rounded
 from motionsync_fmu.scenario.evaluate.csv_files import csv_text
 from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, reference_file
 from motionsync_fmu.scenario.files import example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
-from motionsync_fmu.scenario.run.reactions import scan_times
 from motionsync_fmu.scenario.run.simulation import scheduled_steps, start_inputs
+from motionsync_fmu.scenario.run.tables import RunTables
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.settings import Reaction, Setting
@@ -147,12 +148,10 @@ def master(scenario: Scenario, script: Mapping[str, Any]) -> Script:
     """The scenario's master; one that follows the block has its motion from the script's segments, one a scan."""
     if not scenario.drive:
         return scenario.master
-    start = scenario.master.at(0.0)
-    following = Script(start.position, start.velocity, start.acceleration, ())
-    times = scan_times(scenario.scan, scenario.stop_time).tolist()
-    for at, segment in zip(times, script["master"]["segments"][1:], strict=True):
-        following.accelerate_from(at, float(segment["acceleration"]))
-    return following
+    tables = RunTables(scenario, scenario.step_size)
+    for scan, segment in enumerate(script["master"]["segments"][1:], 1):
+        tables.run.axis.accelerate(rounded(scan * scenario.scan), float(segment["acceleration"]))
+    return tables.script
 
 
 def stepped(

@@ -9,17 +9,21 @@ at run time it returns a `dataclasses.field` whose metadata holds the `Declarati
 belongs to the block's state, but is not visible outside the block.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from enum import Enum, EnumMeta, IntEnum
 from functools import cache, partial
 from math import inf, nextafter
 from operator import attrgetter, eq
-from typing import Any, Protocol, Self, TypeVar, cast
+from typing import Any, Protocol, Self, TypeAlias, TypeVar, cast
 
 from .numerics.computable_range import LARGEST, SMALLEST_LIMIT
 
 T = TypeVar("T")
+Reals: TypeAlias = MutableSequence[float]
+Wholes: TypeAlias = MutableSequence[int]
+NO_NUMBERS = array("d")
 LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite
 
 
@@ -411,6 +415,13 @@ def part(
 def ring(length: int) -> list[float]:
     """A list of fixed length, zeros at first."""
     return field(default_factory=lambda: [0.0] * length)
+
+
+def series() -> Any:
+    """Numbers given from outside, `Reals` or `Wholes`, as many as there are: an `array` of doubles or of 64-bit
+    integers, whose elements are read and written. None are given at first. No block has such a field, since its state
+    would not be in its own memory."""
+    return field(default_factory=lambda: NO_NUMBERS, metadata={"series": True})
 
 
 def count(most: int, start: int = 0) -> int:

@@ -116,6 +116,8 @@ MODULES = [
         1,
         "declares what it",
     ),
+    ("from . import var\ndef f(x: var.Reals) -> float:\n    return 1.0", 2, "a parameter is a float"),
+    (IMPORTS + "@dataclass(slots=True)\nclass Block:\n    x: var.Reals = var.ring(3)", 6, "a series is made by"),
     ("def f(x: float) -> float:\n    if x > 0.0:\n        return x", 1, "every path returns"),
     ("async def f() -> None:\n    pass", 1, "at module level are only"),
     ("def f(n: int) -> int:\n    return range", 2, "neither a local nor a constant"),

@@ -22,6 +22,11 @@ class State(Enumeration):
 
 
 @dataclass(slots=True)
+class Track:
+    times: var.Reals = var.series()
+
+
+@dataclass(slots=True)
 class Block:
     part: Part = var.part(Part)
     other: Part = var.part(Part)
@@ -32,6 +37,9 @@ class Block:
     on: bool = False
     values: list[float] = var.ring(4)
     more: list[float] = var.ring(5)
+    track: Track = var.part(Track)
+    times: var.Reals = var.series()
+    numbers: var.Wholes = var.series()
 
     def index(self) -> int:
         self.count += 1
@@ -191,6 +199,13 @@ STATEMENTS = [
     ("m = self.values[m] = 1.0  # !", "several targets are assigned together only if"),
     ("self.ratio = self.ratio = x  # !", "several targets are assigned together only if"),
     ("x = total(self.values) + total(self.more)  # !", "lists of the same length"),
+    ("times = self.times  # !\nx = times[0]", "a series is a field"),
+    ("self.times = self.track.times  # !", "a series is a field"),
+    ("x = total(self.times)  # !", "a series is a field"),
+    ("x = self.times + 1.0  # !", "a series is a field"),
+    ("var.copy(self.track, self.track)  # !", "a series is a field"),
+    ("self.on = var.same(self.track, self.track)  # !", "a series is a field"),
+    ("m = self.numbers[0]\nself.ratio = self.numbers[m]  # !", "an integer becomes a float"),
     ("for i in range(3, 0, n):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),
     ("for i in range(3, 0, 0):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),
 ]

@@ -3,12 +3,14 @@
 import math
 import random
 import struct
+from array import array
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given
 
+from motionsync_fmu.compiler.memory_layout import address_and_count
 from tests.support.compiled import Compiled, Layout
 from tests.support.drawn import drawn
 from tests.support.modules import load_module
@@ -35,6 +37,7 @@ class Sides:
         self.compiled = Compiled(block_type())
         self.layout = Layout(self.block)
         self.clean = self.compiled.memory.tobytes()
+        self.given: list[tuple[str, Any, Any]] = []  # each series by name, in Python and in C
         self.compiled.initialize()
         self.type = block_type
 
@@ -43,7 +46,15 @@ class Sides:
             setattr(self.block, name, value)
             self.compiled.set(name, value)
 
+    def give(self, name: str, numbers: "array[Any]") -> None:
+        """Give a series: each side has its own numbers."""
+        own = numbers[:]
+        self.given.append((name, numbers, own))
+        setattr(self.block, name, numbers)
+        self.compiled.memory[name] = address_and_count(own)
+
     def reset(self) -> None:
+        self.given.clear()
         self.block = self.type()
         self.compiled.memory[...] = self.compiled.memory.__class__(
             self.compiled.memory.shape, self.compiled.memory.dtype, self.clean
@@ -62,7 +73,12 @@ class Sides:
                 self.compiled.step(h)
             return True
         assert self.compiled.step(h) == refusal
-        assert to_words(self.compiled.memory.tobytes()) == to_words(self.layout.bytes(self.block))
+        memory = bytearray(self.compiled.memory.tobytes())
+        for name, numbers, own in self.given:
+            assert to_words(numbers.tobytes()) == to_words(own.tobytes())
+            at, form = self.layout.places[name]
+            form.pack_into(memory, at, 0, 0)
+        assert to_words(bytes(memory)) == to_words(self.layout.bytes(self.block))
         return False
 
 
@@ -77,6 +93,14 @@ def random_values(rng: random.Random, way: Any) -> dict[str, Any]:
         "n": rng.choice(WHOLES),
         "f": rng.random() < 0.5,
         "way": rng.choice(list(way)),
+    }
+
+
+def random_series(rng: random.Random) -> dict[str, "array[Any]"]:
+    """The numbers that are given from outside: few, or none."""
+    return {
+        "reals": array("d", [rng.choice(REALS) for _ in range(rng.choice([0, 3, 5]))]),
+        "wholes": array("q", [rng.choice(WHOLES) for _ in range(rng.choice([1, 4, 4, 5]))]),
     }
 
 
@@ -310,6 +334,8 @@ def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp
         for _ in range(8 * RUNS if which < flows else RUNS):
             sides.reset()
             values = random_values(rng, programs_module.Way) | {"which": which}
+            for name, numbers in random_series(rng).items():
+                sides.give(name, numbers)
             for _ in range(2):
                 sides.set(values)
                 steps += 1

@@ -1,27 +1,27 @@
 """The block as WebAssembly has the native FMU's bits: all outputs and locals at all points of all scenarios."""
 
 import hashlib
+from array import array
 from collections.abc import Iterator
 from dataclasses import replace
-from math import prod
 from typing import Any
 
 import numpy as np
 import wasmtime
 
-from motionsync_fmu.batch.script_tables import FIELD, LIMITED, RUN, SCENARIOS, WIDTH, RunTables, block_memory
-from motionsync_fmu.batch.simulation import limits
+from motionsync_fmu.batch.block_memory import block_memory
+from motionsync_fmu.batch.scripted_runs import RUN
+from motionsync_fmu.compiler.memory_layout import packer
 from motionsync_fmu.explorer.data import explored as shown
 from motionsync_fmu.explorer.page import scenarios_of
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.roles import MOTION
-from motionsync_fmu.scenario import clocks
+from motionsync_fmu.runner.run import Run
+from motionsync_fmu.scenario.run.tables import RunTables
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from tests import ROOT
 from tests.support.explored import Explored, explored
 from tests.support.fmus import Fmus
-from tests.support.recordings import run_compiled
 
 PAGE = 65536
 SETTERS = {"Real": "set_real", "Integer": "set_integer", "Enumeration": "set_integer", "Boolean": "set_boolean"}
@@ -53,12 +53,12 @@ class Module:
             kind = self.block.variables[name].kind
             setter, value = self.web[SETTERS[kind]], float(x) if kind == "Real" else int(x)
             assert setter(self.store, references[name], value) == 0, self.log
-        self.tables = RunTables(scenario, self.block, len(self.outputs), self._write)
-        self.tables.target = np.zeros(self.tables.shape)
-        row = np.array([self.tables.run(self.address)], RUN)
-        self.run_address = self._write(row)
-        self.target, self.size = row["times"].item(), prod(self.tables.shape)
-        self.arguments = self.store, self._write(self._scenarios(scenario)), self.run_address
+        self.tables = RunTables(scenario, scenario.step_size)
+        self._set_host()
+        self.run_address = self._write(
+            packer(Run)(self.tables.run, lambda numbers: (self._write(numbers), len(numbers)))
+        )
+        self.arguments = self.store, self.run_address
         return int(self.web["initialize"](*self.arguments))
 
     def run(self, scenario: Scenario) -> np.ndarray:
@@ -70,9 +70,10 @@ class Module:
     def rows(self) -> np.ndarray:
         """What has been recorded of the outputs and locals."""
         memory, end = self.web["memory"], self.run_address + RUN.itemsize
-        count = np.frombuffer(memory.read(self.store, self.run_address, end), RUN)["count"].item()
-        values = np.frombuffer(memory.read(self.store, self.target, self.target + 8 * self.size), "<f8")
-        return np.ascontiguousarray(values.reshape(self.tables.shape)[WIDTH:, :count].T)
+        host = np.frombuffer(memory.read(self.store, self.run_address, end), RUN)["host"][0]
+        begin, size = host["values"].item()
+        values = np.frombuffer(memory.read(self.store, begin, begin + 8 * size), "<f8")
+        return np.ascontiguousarray(values.reshape(len(self.outputs), -1)[:, : host["count"]].T)
 
     def change_last_bit(self, name: str) -> None:
         """Replace a Real of the block by the next greater number."""
@@ -80,24 +81,21 @@ class Module:
         value = np.frombuffer(self.web["memory"].read(self.store, at, at + 8), "<f8")
         self.web["memory"].write(self.store, np.nextafter(value, np.inf).tobytes(), at)
 
-    def _scenarios(self, scenario: Scenario) -> np.ndarray:
-        remote = scenario.remote
-        part = remote.names.part if remote else "master"
-        axis = [f"{part}.{name}" for name in MOTION]
-        offsets = [self.block.fields[name].offset for name in axis]
-        offsets.append(self.block.fields[remote.names.cycle_index].offset if remote else 0)
-        checked = [v for v in self.block.variables.values() if v.name in {*axis, *self.tables.checked}]
-        allowed = np.array([(self.block.fields[v.name].offset, *limits(v)) for v in checked], LIMITED)
-        sinks = self.block.table(self.outputs).astype(FIELD)
-        tables = self._write(allowed), len(allowed), self._write(sinks), len(sinks)
-        return np.array((*offsets, *tables, 0.0, clocks.CLOSE, 0, 0, 0, 0), SCENARIOS)
+    def _set_host(self) -> None:
+        """Say where the block and its variables are, and let there be space for a recording."""
+        tables, host = self.tables, self.tables.run.host
+        checked = (v for v in self.block.variables.values() if v.checked and v.name in {*tables.inputs, *tables.sets})
+        self.block.set_host(tables, self.address, self.outputs, checked)
+        host.times, host.axis, host.values = (
+            array("d", bytes(8 * width * tables.most_points)) for width in (1, 4, len(self.outputs))
+        )
 
     def _add_message(self, status: int, address: int, length: int) -> None:
         self.log.append(bytes(self.web["memory"].read(self.store, address, address + length)).decode())
 
-    def _write(self, table: np.ndarray[Any, Any]) -> int:
-        """Write a table behind all that is in memory; the answer is its address."""
-        data = table.tobytes()
+    def _write(self, numbers: Any) -> int:
+        """Write numbers behind all that is in memory; the answer is their address."""
+        data = bytes(numbers)
         address: int = PAGE * self.web["memory"].grow(self.store, 1 + len(data) // PAGE)
         self.web["memory"].write(self.store, data, address)
         return address
@@ -119,17 +117,6 @@ def test_every_scenario_has_the_native_bits_in_webassembly(fmus: Fmus, block: st
         rows = module.run(scenario)
         assert len(rows) == stored["points"]
         assert hashlib.sha256(rows.tobytes()).hexdigest() == stored["sha256"], scenario.name
-
-
-def test_the_sums_on_the_page_are_those_of_runs_in_this_process(fmus: Fmus, block: str) -> None:
-    """In compiled code, whose bits tests/model/test_scenarios.py compares with those of plain Python."""
-    several, all_stored = zip(*scenarios(explored(fmus, block)), strict=True)
-    names = [v.name for v in Recipe(block).variables.values() if not v.settable]
-    for stored, run in zip(all_stored, run_compiled(*several, names=names), strict=True):
-        assert run.recording
-        rows = np.column_stack([run.recording.values[name] for name in names])
-        assert rows.shape == (stored["points"], len(names))
-        assert hashlib.sha256(rows.tobytes()).hexdigest() == stored["sha256"], stored["name"]
 
 
 def test_one_bit_more_in_an_input_is_another_sum(fmus: Fmus) -> None:

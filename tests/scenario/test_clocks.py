@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from motionsync_fmu.runner.telegrams import Telegrams
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.script import Script, Segment
 
@@ -139,7 +140,7 @@ def test_the_same_seed_gives_the_same_run_however_long() -> None:
     ],
 )
 def test_a_step_shows_its_first_cycle_s_telegram(begin: float, end: float, shown: int) -> None:
-    assert clocks().find_visible_cycle(begin, end) == shown
+    assert Telegrams(T).shown(begin, end) == shown
 
 
 def test_steps_up_to_a_cycle_show_each_telegram_with_the_step_in_which_its_cycle_acts() -> None:
@@ -147,4 +148,4 @@ def test_steps_up_to_a_cycle_show_each_telegram_with_the_step_in_which_its_cycle
     for h in (T, 0.0007, 0.0019999):
         grid = [i * h for i in range(int(1.0 / h))]
         acting = [(begin, end) for begin, end in pairwise(grid) if c.count_cycles(end) > c.count_cycles(begin)]
-        assert [c.find_visible_cycle(begin, end) for begin, end in acting] == list(range(c.count_cycles(grid[-1])))
+        assert [Telegrams(T).shown(begin, end) for begin, end in acting] == list(range(c.count_cycles(grid[-1])))

@@ -14,7 +14,9 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.scenario.encoder import Encoder, noise_sample, sine
+from motionsync_fmu.runner import noise
+from motionsync_fmu.runner.encoder import sine
+from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.csv_files import write_outputs
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
@@ -123,7 +125,7 @@ def test_readings_are_those_of_the_oracle(
     expected, true = independent(encoder), oracle.scripted_line(line, 10.0)
     interval = encoder.sample_time or h
     n = int(mp.floor(mp.mpf(t) / interval + mp.mpf("1e-9")))
-    position, velocity, acceleration = encoder.inputs(scripted(line), t, h, 0.0)
+    ((position, velocity, acceleration),) = encoder.readings(scripted(line), [t], h, 0.0)
     assert near(position, encoder, expected.continuous(t, n, true))
     if n == 0:
         return
@@ -155,7 +157,7 @@ def near(position: float, encoder: Encoder, continuous: Any) -> bool:
 @pytest.mark.parametrize("seed", [0, 1, 2**32 - 1])
 @pytest.mark.parametrize("n", [0, 1, 1023, 1024, 715827882, 2**33])
 def test_noise_is_that_of_the_oracle_to_the_last_bit(seed: int, n: int) -> None:
-    assert [noise_sample(seed, i) for i in range(n, n + 9)] == [
+    assert [noise.sample(seed, i) for i in range(n, n + 9)] == [
         splitmix64.noise_sample(seed, i) for i in range(n, n + 9)
     ]
 
@@ -171,14 +173,15 @@ def test_the_sine_is_exact_where_it_is_a_simple_number_and_near_it_elsewhere() -
 
 def test_a_position_just_below_zero_is_wrapped_to_zero() -> None:
     encoder = Encoder()
-    assert encoder.inputs(Script(-1e-20, 0.0, 0.0, []), 0.0, 0.01, 360.0)[0] == 0.0
-    assert encoder.inputs(Script(-1.0, 0.0, 0.0, []), 0.0, 0.01, 360.0)[0] == 359.0
+    for start, shown in ((-1e-20, 0.0), (-1.0, 359.0)):
+        ((position, _, _),) = encoder.readings(Script(start, 0.0, 0.0, []), [0.0], 0.01, 360.0)
+        assert position == shown
 
 
 def test_a_line_that_runs_at_the_start_is_measured_with_its_motion_of_the_delay_before() -> None:
     """At -0.1 s it was at 10 - 20 * 0.1 + 5 * 0.01 = 8.05 mm with 20 - 1 = 19 mm/s; measured twice as much."""
     encoder = Encoder(delay=0.1, scale=2.0)
-    measured = encoder.inputs(Script(10.0, 20.0, 10.0, [Segment(1.0, velocity=500.0)]), 0.0, 0.01, 0.0)
+    (measured,) = encoder.readings(Script(10.0, 20.0, 10.0, [Segment(1.0, velocity=500.0)]), [0.0], 0.01, 0.0)
     assert measured == pytest.approx((16.1, 38.0, 20.0), abs=1e-12)
 
 
@@ -284,17 +287,7 @@ def test_results_have_the_true_master_and_the_measured_one(tmp_path: Path) -> No
         assert abs(position - true) < 6.0
 
 
-# --- compiled code ---
-
-
-@pytest.mark.parametrize("mode", [mode.name for mode in MasterInput])
-@pytest.mark.parametrize("period", [0.0, 100.0])
-@pytest.mark.parametrize("more", ["", "sample_time = 0.0\n"])
-def test_compiled_code_has_the_bits_of_python(tmp_path: Path, mode: str, period: float, more: str) -> None:
-    text = LINE.replace("[start]\n", f'[start]\n"master.input_mode" = "{mode}"\n"master.period" = {period}\n')
-    text = text.replace("sample_time = 0.002\n", more) if more else text
-    assert not assert_as_in_python(load(tmp_path, text)).failure
-
+# --- a line that follows its slave ---
 
 DRIVEN = """\
 title = "A measured line that follows its slave"

@@ -1,4 +1,4 @@
-"""The times of a run are found for all of its points at once: as they are found one by one, in plain Python."""
+"""The times of a run: the package `runner` has them step by step; plain Python has the same ones all at once."""
 
 import math
 from dataclasses import replace
@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from motionsync_fmu.runner.points import rounded
 from motionsync_fmu.scenario.drive import Drive
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
-from motionsync_fmu.scenario.run.reactions import round_times, scan_times
-from motionsync_fmu.scenario.run.simulation import communication_points
+from motionsync_fmu.scenario.run.tables import RunTables
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import Setting
@@ -25,26 +25,37 @@ EXAMPLE = load_scenario(find_files(ROOT / "scenarios/FlyingSaw/cyclic_cut")[0])
 @drawn(300, anew=True)
 @given(st.lists(st.floats(0.0, 1e7) | st.floats(0.0, 1e-9) | st.integers(0, 10**12).map(lambda n: n / 1e9), min_size=1))
 def test_times_are_rounded_as_python_rounds_them(times: list[float]) -> None:
-    assert round_times(np.array(times)).tolist() == [round(t, 12) for t in times]
+    assert [rounded(t) for t in times] == [round(t, 12) for t in times]
 
 
 @given(st.integers(0, 2**26))
 def test_of_two_decimals_at_the_same_distance_the_even_one_is_taken(odd: int) -> None:
     """Odd multiples of 2^-13 have 13 decimals, the last of which is 5."""
     tie = (2 * odd + 1) / 8192.0
-    assert round_times(np.array([tie])).tolist() == [round(tie, 12)]
+    assert rounded(tie) == round(tie, 12)
 
 
-def test_scans_are_the_multiples_before_the_end() -> None:
-    assert scan_times(0.1, 0.5).tolist() == [0.1, 0.2, 0.3, 0.4]
-    assert scan_times(0.1, 0.45).tolist() == [0.1, 0.2, 0.3, 0.4]
-    assert scan_times(math.inf, 1.0).tolist() == []
-    with pytest.raises(ValueError, match="read-only"):
-        scan_times(0.1, 0.5)[0] = 0.0
+@pytest.mark.parametrize(("stop_time", "count"), [(0.5, 4), (0.45, 4), (0.1, 0)])
+def test_scans_are_the_multiples_before_the_end(stop_time: float, count: int) -> None:
+    points = RunTables(replace(EXAMPLE, scan=0.1, stop_time=stop_time), 1.0).run.points
+    times = [points.scan_time(number) for number in range(1, 6)]
+    assert times == [0.1, 0.2, 0.3, 0.4, math.inf][:count] + [math.inf] * (5 - count)
+
+
+def communication_points(scenario: Scenario, step_size: float) -> list[float]:
+    """The points that a run has in any case."""
+    tables, times = RunTables(scenario, step_size), []
+    points, axis = tables.run.points, tables.run.axis
+    points.begin(axis)
+    while points.next < math.inf:
+        times.append(points.next)
+        points.advance(axis)
+    assert len(times) <= tables.most_points
+    return times
 
 
 def one_by_one(scenario: Scenario, step_size: float) -> list[float]:
-    """The points, as `communication_points` explains them."""
+    """The points, as `Points` explains them."""
     expected = []
     while scenario.reacts and (scan := round((len(expected) + 1) * scenario.scan, 12)) < scenario.stop_time:
         expected.append(scan)
@@ -87,11 +98,11 @@ def test_points_that_lie_close_are_those_that_are_found_one_by_one(
         scan=scan,
         settings=tuple(Setting(t, {}) for t in at),
         reactions=EXAMPLE.reactions if reacts else (),
-        master=Script(0.0, 1.0, 0.0, [Segment(d) for d in durations]),
+        master=Script(0.0, 1.0, 0.0, [] if driven else [Segment(d) for d in durations]),
         drive=Drive("slave.velocity", 1.0, math.inf) if driven else None,
         expectations=(),
     )
-    assert communication_points(scenario, step_size).tolist() == one_by_one(scenario, step_size)
+    assert communication_points(scenario, step_size) == one_by_one(scenario, step_size)
 
 
 @given(

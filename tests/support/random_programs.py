@@ -78,6 +78,8 @@ class Programs:
     on: bool = False
     calls: int = 0
     rows: list[float] = var.ring(6)
+    reals: var.Reals = var.series()
+    wholes: var.Wholes = var.series()
     noted: list[float] = var.ring(32)
     notes: int = 0
 
@@ -197,6 +199,7 @@ class Writer:
             "call": lambda: f"law({e()}, {e()})",
             "method": lambda: f"self.{self.pick(['part', 'longer'])}.twice()",
             "element": lambda: self.element(depth - 1),
+            "given": self.given,
             "total": lambda: f"total({self.pick(['self.part.values', 'self.longer.values'])}, {self.small()})",
         }
         return str(forms[self.pick(list(forms))]())
@@ -204,6 +207,10 @@ class Writer:
     def small(self) -> str:
         """A whole number that is seldom outside a list."""
         return str(self.pick(["0", "1", "-1", "3", "self.m % 4", "self.n % 5 - 1", *self.counted]))
+
+    def given(self) -> str:
+        """An element of a series, whose length only the run knows."""
+        return f"self.reals[{self.pick([self.small(), 'len(self.wholes) - 1', 'self.wholes[0]'])}]"
 
     def element(self, depth: int, index: str = "") -> str:
         return f"{self.pick(list(LISTS))}[{index or self.small()}]"
@@ -223,7 +230,8 @@ class Writer:
             "abs": lambda: f"abs({e()})",
             "min": lambda: f"min({e()}, {e()}, {e()})",
             "max": lambda: f"max({e()}, {e()})",
-            "len": lambda: f"len({self.pick(list(LISTS))})",
+            "len": lambda: f"len({self.pick([*LISTS, 'self.reals', 'self.wholes'])})",
+            "given": lambda: f"self.wholes[{self.small()}]",
             "minus": lambda: f"-({e()})",
             "if": lambda: f"(({e()}) if {self.bool_expression(depth - 1)} else ({e()}))",
             "bool": lambda: f"({self.bool_expression(0)} + int({self.bool_expression(0)}))",
@@ -363,6 +371,17 @@ class Writer:
         return [line]
 
     def item(self) -> list[str]:
+        if self.pick([True, False, False]):
+            whole = f"self.wholes[{self.small()}] = {self.bounded()}"
+            return [
+                self.pick(
+                    [
+                        whole,
+                        f"{self.given()} = {self.expression('float', 2)}",
+                        f"{self.given()} -= {self.leaf('float')}",
+                    ]
+                )
+            ]
         return [f"{self.pick(list(LISTS))}[{self.small()}] = {self.expression('float', 2)}"]
 
     def aliased(self) -> list[str]:
@@ -478,6 +497,7 @@ class Writer:
             [
                 f"({self.leaf('int')}) % 4",
                 "len(self.part.values)",
+                "len(self.reals)",
                 "self.k % 4",
                 "abs(self.i) % 4",
                 "SIZE - 1",

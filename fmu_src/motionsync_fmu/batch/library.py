@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from ctypes import CDLL
+from functools import cache
 from hashlib import sha256
 from importlib import metadata
 from importlib.util import find_spec
@@ -23,19 +24,20 @@ from filelock import FileLock
 from motionsync import var
 
 from .. import paths
-from ..compiler.translator import c_source
+from ..compiler.translator import c_source, c_text
 from ..errors import UserError
 from ..interface.fingerprint import Files, digest
 from ..interface.recipe import Fmi
 from ..native.compiler_process import run_compiler
 from ..native.platforms import host_platform
 from ..optional_dependencies import how_to_install
+from ..runner.run import Run
 from .loop_plan import Cause
 
 BATCH_FOLDER = Path(__file__).parent  # whose C is compiled with every block
 SOURCE_FOLDERS = (  # the folders of the model and of all that compiles it
     Path(str(var.__file__)).parent,
-    *(BATCH_FOLDER.with_name(name) for name in ("batch", "compiler", "native")),
+    *(BATCH_FOLDER.with_name(name) for name in ("batch", "compiler", "native", "runner")),
 )
 # After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI.
 ZIG_FLAGS = "-O2 -fvisibility=default"
@@ -151,9 +153,17 @@ def _compile(block_type: type[Any]) -> bytes:
 
 
 def batch_sources() -> Files:
-    """The C of this folder, and causes.h."""
+    """The C of this folder, causes.h, and run.h."""
     causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
-    return {"causes.h": causes.encode()} | {file.name: file.read_bytes() for file in BATCH_FOLDER.glob("*.[ch]")}
+    return {"causes.h": causes.encode(), "run.h": run_source()} | {
+        file.name: file.read_bytes() for file in BATCH_FOLDER.glob("*.[ch]")
+    }
+
+
+@cache
+def run_source() -> bytes:
+    """The run of a scenario in C, which the hosts in C include."""
+    return c_text(Run, ("start", "begin", "try_prepare", "finish", "sample")).encode()
 
 
 def _has_zig() -> bool:

@@ -90,7 +90,7 @@ static void count_rises(const Samples *s, const Figure *f, int64_t i) {
     COLUMN(f->second) = x[s->count - 1];
 }
 
-static void store_series(const Samples *s, const Series *f, int64_t i) {
+static void store_series(const Samples *s, const EveryNth *f, int64_t i) {
     const double *x = values_of(s, f->row);
     const int64_t steps = (int64_t)COLUMN(f->steps);
     int64_t count = (int64_t)COLUMN(f->count);
@@ -121,5 +121,5 @@ void reduce_samples(const Reductions *r, Samples samples, int64_t i) {
     add_sums(s, r->above, i, ABOVE);
     if (r->elapsed) COLUMN(r->elapsed) = s->elapsed;
     for (EACH(Figure, f, r->rises)) count_rises(s, f, i);
-    for (EACH(Series, f, r->series)) store_series(s, f, i);
+    for (EACH(EveryNth, f, r->series)) store_series(s, f, i);
 }

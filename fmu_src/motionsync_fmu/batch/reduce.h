@@ -24,11 +24,11 @@ typedef struct { /* what is stored of the values in a row: the column for it, an
 
 typedef struct { /* each n-th of the values in a row: the array for them, and columns that count steps and values */
     int64_t row, address, per_instance, n, steps, count;
-} Series;
+} EveryNth;
 
 typedef TABLE(int64_t) Offsets; /* of variables in the block */
 typedef TABLE(Figure) Figures;
-typedef TABLE(Series) AllSeries;
+typedef TABLE(EveryNth) AllEveryNth;
 
 typedef struct {
     Offsets reals, words, flags; /* words: all else of 8 bytes; flags: Booleans. Their rows are in this order */
@@ -40,7 +40,7 @@ typedef struct {
     Figures above; /* of h where the value is above the limit */
     int64_t elapsed; /* the column of the sum of all h, 0 if there are no sums */
     Figures rises; /* how often the value becomes > 0.5; second: the value at the end of the step before */
-    AllSeries series;
+    AllEveryNth series;
 } Reductions;
 
 /* Start the figures of instance i, whose block is initialized. */

@@ -113,7 +113,7 @@ class _Figure(Structure):
     _fields_ = (("row", c_int64), ("column", c_int64), ("second", c_int64), ("limit", c_double))
 
 
-class _Series(Structure):
+class _EveryNth(Structure):
     _fields_ = tuple((name, c_int64) for name in ("row", "address", "per_instance", "n", "steps", "count"))
 
 
@@ -195,7 +195,7 @@ class Reductions:
             above=self._figures("above", start=0.0),
             elapsed=self._column("elapsed", 0.0) if self._select_measures("mean", "rms") else 0,
             rises=self._rises(),
-            series=self._table(_Series, map(self._series, self._select_measures("every"))),
+            series=self._table(_EveryNth, map(self._series, self._select_measures("every"))),
         )
 
     def _select_measures(self, *kinds: str) -> list[Measure]:

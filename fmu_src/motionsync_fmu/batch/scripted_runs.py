@@ -8,29 +8,30 @@ Each run gives the bits that `scenario.run.run_in_process` gives: outputs, commu
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from ctypes import addressof, c_void_p
+from ctypes import Structure, addressof, byref, c_double, c_int64, c_void_p
 from dataclasses import dataclass
 from functools import partial
-from itertools import accumulate
-from math import nan, prod
+from math import nan
 from typing import Any
 
 import numpy as np
 
-from ..compiler import memory_layout
-from ..interface.roles import MOTION
+from ..compiler.memory_layout import address_and_count, dtype, field, packer
 from ..interface.variables import LONGEST_STEP, Variable, message_text, shown, step_size_refusal, variables_in_message
-from ..scenario import clocks
+from ..runner.axis import MOTION as AXIS
+from ..runner.run import Run
 from ..scenario.recording import Recording
-from ..scenario.run.simulation import start_inputs
+from ..scenario.run.tables import RunTables
 from ..scenario.scenario import Scenario
 from ..scenario.settings import UnmetReaction
+from .block_memory import block_memory
 from .library import library
 from .loop_plan import Cause
 from .reductions import Reduce, Reductions
-from .script_tables import LIMITED, RUN, SCENARIOS, RunTables, address, block_memory
-from .simulation import NO_RESULT, count_workers, find_refused, limits
+from .simulation import NO_RESULT, count_workers, find_refused
 
+RUN = dtype(Run())
+WIDTH = 1 + AXIS  # columns of a recording before the outputs: the time, and the axis
 MOST_RUNS = 64  # in one call of compiled code: their tables are in memory at the same time
 
 
@@ -96,6 +97,19 @@ def _run_chunk(scenarios: Sequence[Scenario], outputs: Sequence[str], reduce: Re
     return runs.results()
 
 
+class RunBatch(Structure):
+    """Runs for `scenario_batch.c`: the address of the first one, their number, the greatest allowed step size, the
+    tables of what is reduced, if anything is, and memory for their samples."""
+
+    _fields_ = (
+        ("runs", c_int64),
+        ("count", c_int64),
+        ("longest", c_double),
+        ("reductions", c_void_p),
+        ("samples", c_void_p),
+    )
+
+
 class _Runs:
     """Some runs of the scenarios of one recipe, in one call of compiled code."""
 
@@ -104,71 +118,63 @@ class _Runs:
         self.block = block = block_memory(scenarios[0].recipe)
         self.library = library(block.type)
         self.reductions = Reductions(block.type, reduce, len(scenarios))
-        self.sinks = block.table(outputs)
         self.memory = np.full(len(scenarios), block.image)
-        self.tables = [RunTables(s, block, len(outputs)) for s in scenarios]
-        self._allocate_targets()
+        self.tables = [RunTables(s, s.step_size, bool(outputs)) for s in scenarios]
+        for tables in self.tables:
+            tables.run.start()
         set_names = self._set_start_values()
-        self.axis = self._axis_inputs()
         self.checked = self._checked_variables()
-        self.limits = np.array([(block.fields[v.name].offset, *limits(v)) for v in self.checked], LIMITED)
-        size, first = self.memory.itemsize, address(self.memory)
-        self.runs = np.array([t.run(first + i * size) for i, t in enumerate(self.tables)], RUN)
+        self._set_hosts()
         checked_at_start = (v for v in block.variables.values() if v.name in set_names | block.unset)
         self.refused = find_refused(checked_at_start, self.memory)
-        self.runs["cause"][list(self.refused)] = Cause.START
-
-    def _allocate_targets(self) -> None:
-        """Allocate one array for the recordings of all runs.
-
-        The next call is likely to get the same memory again, and saves the time for new pages: a third of its time."""
-        sizes = [prod(t.shape) for t in self.tables]
-        memory = np.empty(sum(sizes))
-        for t, end, size in zip(self.tables, accumulate(sizes), sizes, strict=True):
-            t.target = memory[end - size : end].reshape(t.shape)
+        pack = packer(Run)
+        memory = bytearray(b"".join(pack(tables.run, address_and_count) for tables in self.tables))
+        self.runs = np.frombuffer(memory, RUN)
+        self.hosts = self.runs["host"]
+        self.hosts["cause"][list(self.refused)] = Cause.START
 
     def _set_start_values(self) -> set[str]:
         """Set the start values, and the inputs of the axis at time 0; the names of what is set."""
         columns: dict[str, tuple[list[int], list[Any]]] = {}
-        for i, s in enumerate(self.scenarios):
-            for name, value in {**s.start, **start_inputs(s)}.items():
+        for i, tables in enumerate(self.tables):
+            for name, value in {**tables.scenario.start, **tables.axis_inputs}.items():
                 indices, values = columns.setdefault(name, ([], []))
                 indices.append(i)
                 values.append(value)
         for name, (indices, values) in columns.items():
-            memory_layout.field(self.memory, name)[indices] = values
+            field(self.memory, name)[indices] = values
         return set(columns)
-
-    def _axis_inputs(self) -> list[str]:
-        """The inputs of the axis by name: position, velocity, acceleration, and the cycle index of a remote one."""
-        remote = self.scenarios[0].remote
-        part = remote.names.part if remote else "master"
-        return [f"{part}.{name}" for name in MOTION] + ([remote.names.cycle_index] if remote else [])
 
     def _checked_variables(self) -> list[Variable]:
         """The variables that each step checks: the Reals of the axis and those that any of the runs sets."""
-        names = {*self.axis[: len(MOTION)], *(name for t in self.tables for name in t.checked)}
-        return [v for v in self.block.variables.values() if v.name in names]
+        names = {name for t in self.tables for name in (*t.inputs, *t.sets)}
+        return [v for v in self.block.variables.values() if v.name in names and v.checked]
+
+    def _set_hosts(self) -> None:
+        """Set where the variables of each run are, and where it is recorded.
+
+        One array is for the recordings of all runs. The next call is likely to get the same memory again, and saves the
+        time for new pages: a third of its time."""
+        first, size = self.memory.ctypes.data, self.memory.itemsize
+        points = [t.most_points if self.outputs else 0 for t in self.tables]
+        self.target = np.empty((WIDTH + len(self.outputs)) * sum(points))
+        targets = np.split(self.target, np.cumsum(points[:-1]) * (WIDTH + len(self.outputs)))
+        for i, (tables, most, target) in enumerate(zip(self.tables, points, targets, strict=True)):
+            self.block.set_host(tables, first + i * size, self.outputs, self.checked)
+            if self.outputs:
+                host: Any = tables.run.host
+                host.times, host.axis, host.values = target[:most], target[most : WIDTH * most], target[WIDTH * most :]
 
     def run(self) -> None:
         """Run all of them, without the interpreter's lock."""
-        offsets = [self.block.fields[name].offset for name in self.axis]
         samples = self.reductions.samples()
-        reductions = addressof(self.reductions.c_tables) if self.reductions.measures else 0
-        table = np.array(
-            (
-                *offsets,
-                *[0] * (4 - len(offsets)),
-                *(address(self.limits), len(self.limits), address(self.sinks), len(self.sinks)),
-                *(LONGEST_STEP, clocks.CLOSE, reductions, address(samples), address(self.runs), len(self.runs)),
-            ),
-            SCENARIOS,
-        )
-        self.library.script_run(c_void_p(address(table)))
+        reductions = addressof(self.reductions.c_tables) if self.reductions.measures else None
+        batch = RunBatch(self.runs.ctypes.data, len(self.runs), LONGEST_STEP, reductions, samples.ctypes.data)
+        self.library.script_run(byref(batch))
 
     def results(self) -> list[ScriptedRun]:
         """The result of each run."""
-        failed = np.flatnonzero(self.runs["cause"]).tolist()
+        failed = np.flatnonzero(self.hosts["cause"]).tolist()
         measures = self.reductions.results(failed)
         messages = {i: f"at {self.runs['now'][i]:g} s {self._message(i)}" for i in failed}
         return [
@@ -177,20 +183,27 @@ class _Runs:
         ]
 
     def _result(self, i: int, failure: str, measures: dict[str, float]) -> ScriptedRun:
-        tables = self.tables[i]
-        recording = tables.recording(self.runs[i], self.outputs) if self.outputs and not failure else None
+        recording = self._recording(i) if self.outputs and not failure else None
         failed_at = self.runs["now"][i].item() if failure else nan
-        return ScriptedRun(recording, failure, failed_at, measures, tables.unmet)
+        return ScriptedRun(recording, failure, failed_at, measures, self.tables[i].unmet)
+
+    def _recording(self, i: int) -> Recording:
+        tables, host, row = self.tables[i], self.tables[i].run.host, self.runs[i]
+        tables.run.program.taken, tables.run.axis.count = row["program"]["taken"].item(), row["axis"]["count"].item()
+        n = row["host"]["count"].item()
+        values: Any = np.asarray(host.values).reshape(len(self.outputs), -1)[:, :n]
+        axis = np.asarray(host.axis)[: AXIS * n].reshape(n, AXIS)
+        return tables.recording(np.asarray(host.times)[:n], dict(zip(self.outputs, values, strict=True)), axis, [])
 
     def _message(self, i: int) -> str:
         """Why a run failed."""
         row, memory = self.runs[i], self.memory[i]
-        number: int = row["number"].item()
+        number: int = row["host"]["number"].item()
 
         def value(name: str) -> Any:
-            return memory_layout.field(memory, name).item()
+            return field(memory, name).item()
 
-        match Cause(row["cause"].item()):
+        match Cause(row["host"]["cause"].item()):
             case Cause.START:
                 return self.refused[i]
             case Cause.STEP_SIZE:

@@ -1,22 +1,26 @@
 """What the page knows of a block and of its scenarios, as JSON has it."""
 
 import hashlib
-import math
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from motionsync import var
+
 from ..about import HOME, __version__
-from ..batch import script_tables
-from ..batch.script_tables import block_memory
+from ..batch.block_memory import STORED, block_memory
 from ..batch.simulation import limits
+from ..compiler.memory_layout import dtype
 from ..errors import UserError
 from ..interface.recipe import Recipe
-from ..interface.variables import summary
-from ..pages.machine.block_json import block_json, plain_values, units_of, variable_json
+from ..interface.variables import field_types, summary
+from ..pages.machine.block_json import block_json, plain, plain_values, units_of, variable_json
+from ..runner import telegrams
+from ..runner.points import CLOSE
+from ..runner.run import Run
 from ..scenario import clocks
 from ..scenario.encoder import Encoder
 from ..scenario.files import encoder_table
@@ -26,8 +30,8 @@ from ..scenario.files.reader import read_tables
 from ..scenario.files.shipped import SCENARIO_FILE
 from ..scenario.recording import Recording
 from ..scenario.remote_view import RemoteView
-from ..scenario.run.reactions import COMPARISON_MARGIN, SAMPLE_LEAD
-from ..scenario.run.simulation import CLOSE, simulate
+from ..scenario.run.simulation import simulate
+from ..scenario.run.tables import COMPARISONS
 from ..scenario.scenario import Scenario
 from ..scenario.settings import Reaction
 from .opening import opening_of
@@ -80,20 +84,15 @@ def fingerprint(recording: Recording) -> str:
 
 
 def _runner() -> dict[str, Any]:
-    """What the tables of a run are made from: the layouts, by structure and member whether it is a double, and numbers
-    that have one meaning in Python and in C."""
-    layouts = {
-        name: {member: int(layout[member].kind == "f") for member in layout.names or ()}
-        for name, layout in script_tables.LAYOUTS.items()
-    }
+    """What the page needs to write and read a run in the module's memory, and numbers that have one meaning in Python
+    and in C. `layout`: of each member of the run the offset, how it is stored, and its start value."""
     return {
-        "layouts": layouts,
-        "kinds": script_tables.KINDS,
-        "comparisons": script_tables.COMPARISONS,
+        "layout": {name: [offset, kind, start] for name, offset, kind, start in _members(Run(), dtype(Run()))},
+        "size": dtype(Run()).itemsize,
+        "stored": {kind: int(stored) for kind, stored in STORED.items()},
+        "comparisons": {sign: int(comparison) for sign, comparison in COMPARISONS.items()},
         "close": CLOSE,
-        "sample_lead": SAMPLE_LEAD,
-        "margin": COMPARISON_MARGIN,
-        "cycle_close": clocks.CLOSE,
+        "cycle_close": telegrams.CLOSE,
         "largest_jitter": clocks.LARGEST_JITTER,
         "sent_before_start": clocks.SENT_BEFORE_START,
         "encoder": {
@@ -102,6 +101,20 @@ def _runner() -> dict[str, Any]:
             "longest": encoder_table.LONGEST,
         },
     }
+
+
+def _members(part: Any, layout: Any, path: str = "", begin: int = 0) -> Iterator[tuple[str, int, str, float]]:
+    """The members of a part of a run: name, offset, kind and start value; of series the kind of their numbers."""
+    part_class: type = type(part)
+    hints = field_types(part_class)
+    for f in fields(part):
+        value, name, offset = getattr(part, f.name), f"{path}{f.name}", begin + layout.fields[f.name][1]
+        if is_dataclass(value):
+            yield from _members(value, layout.fields[f.name][0], f"{name}.", offset)
+        elif f.metadata.get("series", False):
+            yield name, offset, "reals" if hints[f.name] == var.Reals else "wholes", 0
+        else:
+            yield name, offset, {float: "real", bool: "flag"}.get(hints[f.name], "whole"), plain(value)
 
 
 def _names(scenarios: Iterable[Scenario]) -> list[str]:
@@ -150,7 +163,7 @@ def _drive(s: Scenario) -> dict[str, Any] | None:
         return None
     d = s.drive
     limit = d.max_acceleration if d.has_acceleration_limit else None
-    gain = -math.expm1(-s.scan / d.time_constant)
+    gain = d.gain(s.scan)
     drive = {"follows": d.follows, "time_constant": d.time_constant, "max_acceleration": limit}
     return drive | {"scan": s.scan, "gain": gain}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from ..batch.library import BATCH_FOLDER
+from ..batch.library import BATCH_FOLDER, run_source
 from ..fmus.guid import compute_guid
 from ..interface.recipe import Recipe
 from ..native.unit_sources import c_names, c_sources
@@ -24,12 +24,7 @@ from .opening import opening_of
 
 FOLDER = Path(__file__).parent
 VENDOR = FOLDER.parent / "pages" / "vendor"
-RUNNER = (
-    "block_memory.h",
-    "encoder.h",
-    "limits.h",
-    "scenario_run.h",
-)  # the runner of scenarios, in the folder of batches
+HOST = ("block_memory.h", "limits.h", "run_host.h")  # of runs, in the folder of batches
 UNUSED = ("fmi", "memory")  # how the names of C files start that a page does not need
 SCRIPTS = (
     "../pages/packed.js",
@@ -90,8 +85,9 @@ def _compile(recipe: Recipe) -> bytes:
     """The block and the runner of scenarios as one WebAssembly module; web.c shows what it exports."""
     sources = c_sources(recipe.block(), compute_guid(recipe))
     unit = {name: text for name, text in sources.items() if not name.startswith(UNUSED)}
-    runner = {file.name: file.read_bytes() for file in (FOLDER / "web.c", *(BATCH_FOLDER / name for name in RUNNER))}
-    return core_module(unit | runner, c_names(unit | runner))
+    host = {file.name: file.read_bytes() for file in (FOLDER / "web.c", *(BATCH_FOLDER / name for name in HOST))}
+    files = unit | host | {"run.h": run_source()}
+    return core_module(files, c_names(files))
 
 
 @cache

@@ -24,7 +24,7 @@ class Unit {
     const {instance} = await WebAssembly.instantiate(bytes, {page: {log}});
     unit.code = instance.exports;
     unit.reset();
-    unit.memory = new TableMemory(unit.code.memory, runner.layouts);
+    unit.run = new RunMemory(unit.code.memory, runner);
     return unit;
   }
 
@@ -48,6 +48,7 @@ class Unit {
   #write(name, value) {
     const {kind} = this.declared(name), {code} = this;
     const write = kind === "Real" ? code.set_real : kind === "Boolean" ? code.set_boolean : code.set_integer;
+    this.run?.note(name, Number(value));
     if (write(this.columns.get(name), value)) throw new Error(this.lines.pop()?.text ?? `${name} cannot be set`);
   }
 
@@ -62,14 +63,14 @@ class Unit {
 /** The recorded points of a run: the block's variables, and the motion of the scripted axis, without wrapping. */
 class Course {
   /** `storage`: that of a run that is no longer needed; to fill new memory takes longer than the run itself. */
-  constructor(unit, tables, storage) {
-    const {memory, columns} = unit, first = memory.integer("Run", tables.run, "times"), {capacity} = tables;
-    this.count = memory.integer("Run", tables.run, "count");
+  constructor({run, columns}, capacity, storage) {
+    const first = run.get("host.times");
+    this.count = run.get("host.count");
     this.columns = columns;
     const size = (5 + columns.size) * this.count;
     this.storage = this.count > 1 && storage?.length >= size ? storage : new Float64Array(size); // else that run is still shown
     const copy = (column, source, width = 1) =>
-      this.storage.set(memory.reals(first + 8 * source, width * this.count), column * this.count);
+      this.storage.set(run.reals(first + 8 * source, width * this.count), column * this.count);
     copy(0, 0);
     copy(1, capacity, 4);
     for (let k = 5; k < 5 + columns.size; k++) copy(k, k * capacity);
@@ -119,15 +120,15 @@ function run(unit, described, {cycle = null, normals = {}, storage = null} = {})
   const telegrams = scenario.remote && new Telegrams(scenario.remote, axis, starts, stop, normals, unit.runner);
   unit.reset();
   unit.set(scenario.start);
-  const tables = writeTables(unit, scenario, {axis, telegrams}), {run: address, scenarios} = tables;
-  unit.now = () => unit.memory.real("Run", address, "now");
+  const capacity = writeRun(unit, scenario, {axis, telegrams}), {address} = unit.run;
+  unit.now = () => unit.run.get("now");
   const given = [];
-  let refused = unit.code.initialize(scenarios, address) !== 0;
+  let refused = unit.code.initialize(address) !== 0;
   const inputs = () => MOTION.map((name) => unit.get(`master.${name}`)); // with an encoder nobody knows more of the line
-  const motion = (t, k) => (scenario.encoder ? inputs() : scenario.drive ? unit.memory.motion(address, k) : axis.at(t));
-  if (!refused) refused = (cycle ? driven(unit, tables, {cycle, motion, given}) : unit.code.carry(scenarios, address)) !== 0;
+  const motion = (t, k) => (scenario.encoder ? inputs() : scenario.drive ? unit.run.motion(k) : axis.at(t));
+  if (!refused) refused = (cycle ? driven(unit, {cycle, motion, given}) : unit.code.carry(address)) !== 0;
   unit.code.terminate();
-  const course = new Course(unit, tables, storage);
+  const course = new Course(unit, capacity, storage);
   return Object.assign(course, {
     ...{scenario, script: axis, telegrams, refused, given},
     lines: unit.lines,
@@ -136,15 +137,15 @@ function run(unit, described, {cycle = null, normals = {}, storage = null} = {})
 }
 
 /** The steps one by one, with a program before each but the first; `given` takes what it sets that is not there yet. */
-function driven(unit, {run: address, scenarios}, {cycle, motion, given}) {
-  const {code} = unit;
+function driven(unit, {cycle, motion, given}) {
+  const {code} = unit, {address} = unit.run;
   let status = 0;
-  for (let k = 0; !status && code.prepare(scenarios, address); k++) {
+  for (let k = 0; !status && code.prepare(address); k++) {
     if (k) {
       const t = unit.now(), values = watched(unit, () => cycle(t, unit, motion(t, k)));
       if (Object.keys(values).length) given.push({at: t, values});
     }
-    status = code.step(scenarios, address);
+    status = code.step(address);
   }
   return status;
 }

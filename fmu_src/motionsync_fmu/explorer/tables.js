@@ -1,10 +1,8 @@
 "use strict";
-// The tables from which the compiled runner carries a scenario: batch/script_tables.py makes the same ones of a scenario's
-// file. What is here follows simulation.py, reactions.py, script.py, clocks.py and encoder_table.py, sum by sum. Numbers that
-// have one meaning in all languages come with the page, as `runner`.
+// A run of a scenario, as the compiled package `runner` carries it: its numbers are written into the module's memory, as
+// scenario/run/tables.py has them. The script and the telegrams follow script.py and clocks.py, sum by sum. Numbers that have
+// one meaning in all languages come with the page, as `runner`.
 
-const DECIMALS_UNIT = 1e12; // of a scan's time in s: so many of its last decimal are 1 s
-const LONG = 8192; // s; from here on, neighbouring numbers are more than a unit of the last decimal apart
 const INPUT_MODE = "master.input_mode", END_OF_STEP = 2, MEASURED = 4;
 const OF_ENCODER = {"master.delay": "delay", "master.sample_time": "sample_time"}; // what the block has to know of it
 const SCALING = "master.encoder_scaling"; // not all blocks have it
@@ -28,52 +26,6 @@ function bisect(times, t, right) {
 function modulo(x, y) {
   const rest = x % y;
   return rest !== 0 && rest < 0 !== y < 0 ? rest + y : rest;
-}
-
-/** Two numbers of half as many bits, whose sum is x (T. J. Dekker 1971). */
-function halves(x) {
-  const most = 134217729 * x, // 2**27 + 1
-    high = most - (most - x);
-  return [high, x - high];
-}
-
-const [UNIT_HIGH, UNIT_LOW] = halves(DECIMALS_UNIT);
-
-/** A time, at least 0, with 12 decimals, as `round` of Python gives it: the nearest one, and of two the even one. */
-function rounded(t) {
-  if (!(t < LONG)) return t;
-  const units = t * DECIMALS_UNIT, [high, low] = halves(t);
-  const error = low * UNIT_LOW - (units - high * UNIT_HIGH - low * UNIT_HIGH - high * UNIT_LOW);
-  const below = Math.floor(units), odd = below % 2 === 1;
-  const nearest = units - below > 0.5 || (units - below === 0.5 && odd) ? below + 1 : below;
-  const above = units - nearest, uneven = nearest % 2 === 1;
-  const up = error > 0.5 - above || (error === 0.5 - above && uneven),
-    down = error < -0.5 - above || (error === -0.5 - above && uneven);
-  return (nearest + up - down) / DECIMALS_UNIT;
-}
-
-/** The scans of a run, in s. */
-function scanTimes({step_size, stop_time}) {
-  const scans = [];
-  for (let i = 1, scan; (scan = rounded(i * step_size)) < stop_time; i++) scans.push(scan);
-  return scans;
-}
-
-/** The communication points that are determined before the run. */
-function communicationPoints(scenario, axis, scans, close) {
-  const {step_size: h, stop_time: stop} = scenario;
-  const named = [...scenario.settings.map((s) => s.at), ...scans, ...axis.points.slice(1), stop].filter((t) => t <= stop);
-  const breaks = new Set(scenario.drive ? scans : axis.points), exact = new Set(named);
-  const grid = Float64Array.from({length: Math.floor((stop / h) * (1 + 1e-12)) + 1}, (_, i) => i * h);
-  const times = new Float64Array(grid.length + named.length), points = [];
-  times.set(grid);
-  times.set(named, grid.length);
-  for (const t of times.sort()) {
-    const last = points.at(-1);
-    if (!points.length || t - last > close * h) points.push(t);
-    else if (exact.has(t) && !breaks.has(last)) points[points.length - 1] = t;
-  }
-  return points;
 }
 
 // --- the scripted axis ---
@@ -103,12 +55,6 @@ class Script {
     line.points = times.slice(0, 1);
     line.isRecorded = true;
     return line;
-  }
-
-  /** The motion a time before the start with which a delayed line starts. */
-  startMotion(delay) {
-    if (this.isRecorded) return this.initial;
-    return delay > 0 ? Script.after(this.initial, -delay) : this.at(0);
   }
 
   /** Position, velocity, acceleration and jerk a time t later, with constant jerk. */
@@ -208,145 +154,79 @@ class Telegrams {
   }
 }
 
-// --- the tables in the module's memory ---
+// --- a run in the module's memory ---
 
-/** The module's memory behind what it needs itself: tables are written there one after the other. */
-class TableMemory {
-  constructor(memory, layouts) {
-    Object.assign(this, {memory, layouts, first: memory.buffer.byteLength});
-    this.clear();
+/** A run, behind what the module itself needs in its memory; its numbers from outside are behind it. */
+class RunMemory {
+  /** `layout`: offset, kind and start value of each member, by its name; `size`: that of all. */
+  constructor(memory, {layout, size}) {
+    Object.assign(this, {memory, layout, size, address: memory.buffer.byteLength, sets: []});
   }
 
+  /** Start anew. */
   clear() {
-    this.next = this.first;
+    this.end = this.address;
+    this.sets = [];
+    this.reserve(Math.ceil(this.size / 8));
+    for (const [name, [, kind, start]] of Object.entries(this.layout)) this.#write(name, start, kind === "reals" || kind === "wholes" ? 0 : undefined);
   }
 
   /** The address of so many numbers of 8 bytes. */
   reserve(count) {
-    const address = this.next;
-    this.next += 8 * count;
-    const missing = this.next - this.memory.buffer.byteLength;
+    const address = this.end;
+    this.end += 8 * count;
+    const missing = this.end - this.memory.buffer.byteLength;
     if (missing > 0) this.memory.grow(Math.ceil(missing / PAGE));
     return address;
+  }
+
+  /** Set members, by their names; a list of numbers is written behind all others. */
+  set(members) {
+    for (const [name, value] of Object.entries(members)) {
+      if (value.length === undefined) {
+        this.#write(name, value);
+        continue;
+      }
+      const isReal = this.layout[name][1] === "reals", Numbers = isReal ? Float64Array : BigInt64Array;
+      const address = this.reserve(value.length), numbers = new Numbers(this.memory.buffer, address, value.length);
+      numbers.set(isReal ? value : Array.from(value, BigInt));
+      this.#write(name, address, value.length);
+    }
+  }
+
+  /** Let a member have space for so many numbers. */
+  give(name, count) {
+    this.#write(name, this.reserve(count), count);
+  }
+
+  #write(name, value, count) {
+    const [offset, kind] = this.layout[name], view = new DataView(this.memory.buffer, this.address + offset);
+    if (kind === "real") view.setFloat64(0, value, true);
+    else if (kind === "flag") view.setUint8(0, value);
+    else view.setBigInt64(0, BigInt(value), true);
+    if (count !== undefined) view.setBigInt64(8, BigInt(count), true);
+  }
+
+  /** A member; of a list its address. */
+  get(name) {
+    const [offset, kind] = this.layout[name], view = new DataView(this.memory.buffer, this.address + offset);
+    return kind === "real" ? view.getFloat64(0, true) : Number(view.getBigInt64(0, true));
   }
 
   reals(address, count) {
     return new Float64Array(this.memory.buffer, address, count);
   }
 
-  writeReals(values) {
-    const address = this.reserve(values.length);
-    this.reals(address, values.length).set(values);
-    return address;
+  /** Note that a variable has been set, if the run sets it, too: what it adds is added to the present value. */
+  note(name, value) {
+    const k = this.sets.indexOf(name);
+    if (k >= 0) this.reals(this.get("program.values") + 8 * k, 1)[0] = value;
   }
 
-  writeIntegers(values) {
-    const address = this.reserve(values.length);
-    new BigInt64Array(this.memory.buffer, address, values.length).set(values.map(BigInt));
-    return address;
+  /** The motion of the axis at the k-th point. */
+  motion(k) {
+    return this.reals(this.get("host.axis") + 32 * k, 4);
   }
-
-  /** Rows of a structure, by its name in C; a member that a row does not have is 0. */
-  writeRows(name, rows) {
-    const members = Object.entries(this.layouts[name]),
-      address = this.reserve(members.length * rows.length),
-      view = new DataView(this.memory.buffer, address);
-    rows.forEach((row, i) =>
-      members.forEach(([member, real], k) => {
-        const at = 8 * (i * members.length + k);
-        if (real) view.setFloat64(at, row[member] ?? 0, true);
-        else view.setBigInt64(at, BigInt(row[member] ?? 0), true);
-      }),
-    );
-    return address;
-  }
-
-  /** A member of a structure that has one row. */
-  integer(name, address, member) {
-    const at = address + 8 * Object.keys(this.layouts[name]).indexOf(member);
-    return Number(new DataView(this.memory.buffer).getBigInt64(at, true));
-  }
-
-  /** The motion of a run's axis at its k-th point. */
-  motion(run, k) {
-    return this.reals(this.integer("Run", run, "axis") + 32 * k, 4);
-  }
-
-  real(name, address, member) {
-    return this.reals(address + 8 * Object.keys(this.layouts[name]).indexOf(member), 1)[0];
-  }
-}
-
-/** Settings and reactions as tables: what is assigned when. */
-function assignmentTables(unit, scenario, scans) {
-  const {memory, runner} = unit;
-  const timed = [...scenario.settings].sort((a, b) => a.at - b.at);
-  const assignments = [], bundles = [];
-  for (const {values, set, add} of [...timed, ...scenario.reactions]) {
-    const first = assignments.length;
-    for (const [adds, given] of [values ?? set, add ?? {}].entries()) {
-      for (const [name, x] of Object.entries(given)) {
-        const {offset, kind} = unit.declared(name);
-        assignments.push({offset, kind: runner.kinds[kind], adds, [kind === "Real" ? "real" : "word"]: kind === "Real" ? x : Math.trunc(x)});
-      }
-    }
-    bundles.push({first, last: assignments.length});
-  }
-  const most = (scans.length + 1) >> 1; // so often something becomes true
-  const capacity = scenario.reactions.reduce((sum, r) => sum + Math.min(r.times ?? most, most), timed.length);
-  const events = memory.writeRows("Event", timed.map(({at}, what) => ({at, what})));
-  memory.reserve(2 * (capacity - timed.length)); // for those of reactions
-  const reactions = scenario.reactions.map((r, i) => {
-    const {offset, kind} = unit.declared(r.name);
-    return {
-      offset,
-      kind: runner.kinds[kind],
-      comparison: runner.comparisons[r.comparison],
-      value: r.value,
-      margin: runner.margin * Math.max(1, Math.abs(r.value)),
-      at: memory.writeReals(r.after ? scans.map((scan) => rounded(scan + r.after)) : scans),
-      times: r.times ?? -1,
-      what: timed.length + i,
-    };
-  });
-  return {
-    events,
-    event_count: timed.length,
-    capacity,
-    bundles: memory.writeRows("Bundle", bundles),
-    assignments: memory.writeRows("Assignment", assignments),
-    reactions: memory.writeRows("Reaction", reactions),
-    reaction_count: reactions.length,
-    assigned: new Set(assignments.map(({offset}) => offset)),
-  };
-}
-
-/** What the runner needs of the axis: a script, telegrams, or the beginning of a master that follows the block. */
-function axisTables(unit, scenario, {axis, telegrams, scans}) {
-  const {memory, runner} = unit, {drive, step_size: h} = scenario;
-  if (telegrams) {
-    const seen = Array.from({length: telegrams.cycles}, (_, cycle) => telegrams.telegram(cycle));
-    return {
-      indices: memory.writeIntegers(seen.map(([index]) => index)),
-      telegrams: memory.writeReals(seen.flatMap(([, motion]) => motion.slice(0, 3))),
-      cycle: telegrams.cycle,
-      ...scriptTables(memory, axis),
-      follows: -1,
-    };
-  }
-  if (!drive) return {...scriptTables(memory, axis), follows: -1};
-  const {offset, kind} = unit.declared(drive.follows);
-  const tables = scriptTables(memory, axis, scans.length);
-  return {
-    ...tables,
-    motion_count: 1,
-    motion_capacity: scans.length + 1,
-    follows: offset,
-    kind: runner.kinds[kind],
-    gain: drive.scan === h ? drive.gain : -Math.expm1(-h / drive.time_constant),
-    most: drive.max_acceleration ?? Infinity,
-    scan: h,
-  };
 }
 
 /** The scenario with the start values of a block with these variables that takes what its encoder measures, unless it has others. */
@@ -360,78 +240,103 @@ function withMeasuredInputs(scenario, variables) {
   return {...scenario, start: {...values, ...start}};
 }
 
-/** The address of the encoder between the line and the block; 0: there is none. */
-function encoderTable({memory}, {encoder: e, step_size: h}, axis) {
-  if (!e) return 0;
-  const [initial_position, initial_velocity, initial_acceleration] = axis.initial;
-  const [, velocity, acceleration] = axis.startMotion(e.delay);
-  const row = {
-    ...e,
-    amplitude: e.runout_amplitude,
-    length: e.runout_length,
-    interval: e.sample_time || h,
-    initial_position,
-    initial_velocity,
-    initial_acceleration,
-    start_velocity: velocity * e.scale,
-    start_acceleration: acceleration * e.scale,
-    number: -1,
+/** So many numbers that are 0. */
+const zeros = (count) => new Float64Array(count);
+
+/** What is set when, and what reacts to what; the variables that are set, and the outputs that are seen, have numbers. */
+function programOf(unit, scenario, scans) {
+  const {runner} = unit, {reactions, drive} = scenario;
+  const timed = [...scenario.settings].sort((a, b) => a.at - b.at);
+  const bundles = [...timed.map(({values}) => [values, {}]), ...reactions.map(({set, add}) => [set, add])];
+  const sets = [...new Set(bundles.flatMap((parts) => parts.flatMap(Object.keys)))];
+  const sees = [...new Set([...reactions.map(({name}) => name), ...(drive ? [drive.follows] : [])])];
+  const rows = bundles.map((parts) => parts.flatMap((part, adds) => Object.entries(part).map(([name, x]) => [sets.indexOf(name), x, adds])));
+  const first = [0];
+  for (const row of rows) first.push(first.at(-1) + row.length);
+  const most = (scans + 1) >> 1; // so often something becomes true
+  const capacity = reactions.reduce((sum, {times}) => sum + Math.min(times ?? most, most), 0);
+  const places = (names) => names.flatMap((name) => [unit.declared(name).offset, runner.stored[unit.declared(name).kind]]);
+  const of = (part, key) => ({[`program.reactions.${key}`]: reactions.map(part)});
+  return {
+    sets,
+    "program.at": [...timed.map(({at}) => at), ...zeros(capacity)],
+    "program.what": [...timed.keys(), ...zeros(capacity)],
+    "program.count": timed.length,
+    "program.settings": timed.length,
+    "program.first": first,
+    "program.target": rows.flat().map(([target]) => target),
+    "program.amount": rows.flat().map(([, amount]) => amount),
+    "program.adds": rows.flat().map(([, , adds]) => adds),
+    "program.values": sets.map((name) => unit.get(name)),
+    "program.outputs": zeros(sees.length),
+    ...of(({name}) => sees.indexOf(name), "output"),
+    ...of(({comparison}) => runner.comparisons[comparison], "comparison"),
+    ...of(({value}) => value, "value"),
+    ...of(({after}) => after, "after"),
+    ...of(({times}) => times ?? -1, "most"),
+    ...of(() => 0, "held"),
+    ...of(() => 0, "happened"),
+    ...(drive && {
+      "program.follows": sees.indexOf(drive.follows),
+      "program.gain": drive.scan === scenario.step_size ? drive.gain : -Math.expm1(-scenario.step_size / drive.time_constant),
+      "program.max_acceleration": drive.max_acceleration ?? Infinity,
+    }),
+    "host.sets": places(sets),
+    "host.sees": places(sees),
   };
-  return memory.writeRows("Encoder", [row]);
 }
 
-/** `more`: so many motions can follow. */
-function scriptTables(memory, {breaks, motions}, more = 0) {
-  const tables = {breaks: memory.writeReals(breaks)};
-  memory.reserve(more);
-  tables.motions = memory.writeReals(motions.flat());
-  memory.reserve(4 * more);
-  return {...tables, motion_count: motions.length};
+/** The axis with space for so many motions more, and what is between it and the block. */
+function axisOf({breaks, motions, initial, isRecorded}, more, {encoder: e, step_size: h}, telegrams) {
+  const seen = telegrams && Array.from({length: telegrams.cycles}, (_, cycle) => telegrams.telegram(cycle));
+  return {
+    "axis.breaks": [...breaks, ...zeros(more)],
+    "axis.motions": [...motions.flat(), ...zeros(4 * more)],
+    "axis.count": breaks.length,
+    "axis.is_recorded": isRecorded ? 1 : 0,
+    ...Object.fromEntries(MOTION.map((name, i) => [`axis.start_${name}`, initial[i]])),
+    ...(e && {has_encoder: 1, "encoder.interval": e.sample_time || h}),
+    ...(e && Object.fromEntries(Object.entries(e).map(([name, x]) => [`encoder.${name}`, x]))),
+    ...(seen && {
+      is_remote: 1,
+      "telegrams.cycle": telegrams.cycle,
+      "telegrams.cycle_index": seen.map(([index]) => index),
+      "telegrams.motion": seen.flatMap(([, motion]) => motion.slice(0, 3)),
+    }),
+  };
 }
 
-/** All tables of a run: the addresses of the structures Scenarios and Run, and how many points can be recorded. */
-function writeTables(unit, scenario, {axis, telegrams}) {
-  const {memory, runner, variables} = unit, {step_size: h, stop_time, remote, start} = scenario;
-  memory.clear();
-  const scans = scenario.reactions.length || scenario.drive ? scanTimes(scenario) : [];
-  const points = communicationPoints(scenario, axis, scans, runner.close);
-  const {capacity: events, assigned, ...given} = assignmentTables(unit, scenario, scans);
-  const part = remote?.part ?? "master",
-    inputs = Object.fromEntries(MOTION.map((name) => [name, unit.declared(`${part}.${name}`).offset]));
-  const checked = variables.filter((v) => v.limit !== undefined && [...assigned, ...Object.values(inputs)].includes(v.offset));
-  const limits = checked.map(({offset, limit}) => {
-    const [least, greatest, smallest, zero] = runner.limits[limit];
-    return {offset, least, greatest, smallest, zero};
-  });
-  const run = {
-    block: unit.block,
-    close: runner.close * h,
-    stop_time,
+/** Write a run into memory. How many points can be recorded: each is one of the times that are known, or a reaction's. */
+function writeRun(unit, scenario, {axis, telegrams}) {
+  const {run, runner, variables} = unit, {step_size: h, stop_time: stop, remote, start, drive} = scenario;
+  const scans = scenario.reactions.length || drive ? Math.trunc(stop / h) + 1 : 0;
+  const named = Float64Array.from([...scenario.settings.map(({at}) => at), stop].filter((t) => t <= stop)).sort();
+  const {sets, ...program} = programOf(unit, scenario, scans);
+  const inputs = MOTION.map((name) => [name, unit.declared(`${remote?.part ?? "master"}.${name}`).offset]);
+  const given = new Set([...inputs.map(([, offset]) => offset), ...program["host.sets"].filter((_, i) => i % 2 === 0)]);
+  const checked = variables.filter(({offset, limit}) => limit !== undefined && given.has(offset));
+  run.clear();
+  run.set({
+    ...program,
+    ...axisOf(axis, drive ? scans : 0, scenario, telegrams),
+    "points.step_size": h,
+    "points.stop_time": stop,
+    "points.scan": scans ? h : 0,
+    "points.named": named,
+    "points.has_drive": drive ? 1 : 0,
     period: start["master.period"] ?? 0,
-    end_of_step: start[INPUT_MODE] === END_OF_STEP ? 1 : 0,
-    points: memory.writeReals(points),
-    point_count: points.length,
-    scans: memory.writeReals(scans),
-    scan_count: scans.length,
-    before: runner.sample_lead * h,
-    ...given,
-    ...axisTables(unit, scenario, {axis, telegrams, scans}),
-    encoder: encoderTable(unit, scenario, axis),
-  };
-  const capacity = points.length + scans.length + events;
-  run.times = memory.reserve((5 + variables.length) * capacity);
-  run.axis = run.times + 8 * capacity;
-  run.values = run.axis + 32 * capacity;
-  run.column = 8 * capacity;
-  const sinks = variables.map(({offset, kind}) => ({offset, kind: runner.kinds[kind]}));
-  const common = {
-    ...inputs,
-    cycle_index: remote ? unit.declared(remote.cycle_index).offset : 0,
-    limits: memory.writeRows("Limited", limits),
-    limit_count: limits.length,
-    sinks: memory.writeRows("Field", sinks),
-    sink_count: sinks.length,
-    closest: runner.cycle_close,
-  };
-  return {scenarios: memory.writeRows("Scenarios", [common]), run: memory.writeRows("Run", [run]), capacity};
+    is_ahead: start[INPUT_MODE] === END_OF_STEP ? 1 : 0,
+    "host.block": unit.block,
+    ...Object.fromEntries(inputs.map(([name, offset]) => [`host.${name}`, offset])),
+    "host.cycle_index": remote ? unit.declared(remote.cycle_index).offset : 0,
+    "host.records": variables.flatMap(({offset, kind}) => [offset, runner.stored[kind]]),
+    "host.checks": checked.map(({offset}) => offset),
+    "host.limits": checked.flatMap(({limit}) => runner.limits[limit]),
+  });
+  run.sets = sets;
+  const capacity = Math.trunc((stop / h) * (1 + 1e-12)) + 1 + named.length + axis.points.length + 2 * scans + program["program.at"].length;
+  run.give("host.times", capacity);
+  run.give("host.axis", 4 * capacity);
+  run.give("host.values", variables.length * capacity);
+  return capacity;
 }

@@ -1,6 +1,6 @@
 /* One unit for a web page, compiled to WebAssembly, and the runner that carries it along a scenario. The page is its
- * importer: it makes memory grow for the tables of a run, which are those of batch/script_tables.py. */
-#include "scenario_run.h"
+ * importer: it makes memory grow for the numbers of a run, which it writes there. */
+#include "run_host.h"
 #include "unit.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
@@ -24,6 +24,7 @@ static void *allocate(size_t n, size_t size) {
 static void release(void *memory) { (void)memory; } /* the one unit stays as long as the page */
 
 static Unit *unit;
+static bool failed; /* in the run itself, where Python would raise */
 
 /* Start anew: a unit in initialization mode. The address of the block's memory; NULL: memory is lacking. */
 EXPORT(reset) void *web_reset(void) {
@@ -48,33 +49,34 @@ EXPORT(set_boolean) Status web_set_boolean(uint32_t r, int32_t value) {
 }
 
 /* Initialize the unit, with the axis as it is at time 0, and begin the run. */
-EXPORT(initialize) Status web_initialize(const Scenarios *s, Run *r) {
-    run_show_axis(s, r, 0.0, 0.0);
+EXPORT(initialize) Status web_initialize(Run *r) {
+    failed = false;
+    run_start(r, &failed);
     Status status = unit_exit_initialization(unit);
-    if (!status) run_begin(s, r);
-    return status;
+    if (!status) run_begin(r, &failed);
+    return failed ? UNIT_ERROR : status;
 }
 
 /* Set what the scenario sets for the next step. False: the run is at its end. */
-EXPORT(prepare) bool web_prepare(const Scenarios *s, Run *r) {
-    if (!run_prepare(s, r)) return false;
-    if (run_first_refused(s, r) >= 0) unit_count_out_of_range(unit);
+EXPORT(prepare) bool web_prepare(Run *r) {
+    if (!run_prepare(r, &failed)) return false;
+    if (run_first_refused(r) >= 0) unit_count_out_of_range(unit);
     return true;
 }
 
 /* Step the unit, and record what comes of it; a refused step is not recorded. */
-EXPORT(step) Status web_step(const Scenarios *s, Run *r) {
+EXPORT(step) Status web_step(Run *r) {
     Status status = unit_step(unit, unit_time(unit), r->step, "step");
-    if (!status) run_finish(s, r);
-    return status;
+    if (!status) run_finish(r, &failed);
+    return failed ? UNIT_ERROR : status;
 }
 
 /* End the run: the unit logs what has happened again and again. */
 EXPORT(terminate) void web_terminate(void) { unit_terminate(unit); }
 
 /* All steps that are left, up to one that is refused. */
-EXPORT(carry) Status web_carry(const Scenarios *s, Run *r) {
+EXPORT(carry) Status web_carry(Run *r) {
     Status status = UNIT_OK;
-    while (!status && web_prepare(s, r)) status = web_step(s, r);
+    while (!status && web_prepare(r)) status = web_step(r);
     return status;
 }

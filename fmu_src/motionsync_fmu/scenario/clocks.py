@@ -5,7 +5,6 @@ whole multiple or part of that. In each of its cycles the sender sends a telegra
 motion of the axis at that instant. The sender's index at any time, as a real number, and the axis are known exactly.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from ..runner.telegrams import CLOSE, count_cycles
 from .recording import Reals
 from .script import Script
 
 Integers = np.ndarray[Any, np.dtype[np.int64]]
-CLOSE = 1e-6  # of a cycle: a time that follows an instant by less is taken for that instant
 LARGEST_JITTER = 0.45  # of the shorter cycle: jitter moves no instant farther, so that telegrams stay in sequence
 SENT_BEFORE_START = 2  # telegrams sent before time 0: one of them is seen until the first one arrives
 
@@ -76,17 +75,11 @@ class Clocks:
 
     def count_cycles(self, t: float) -> int:
         """How many of the receiver's cycles have acted before t, which is the number of the next one."""
-        return max(math.ceil(t / self.task_cycle - CLOSE), 0)
+        return count_cycles(t, self.task_cycle)
 
     def count_cycles_at(self, times: Reals) -> Integers:
         """The same for many times at once, shape (times,)."""
         return np.maximum(np.ceil(times / self.task_cycle - CLOSE), 0.0).astype(np.int64)
-
-    def find_visible_cycle(self, begin: float, end: float) -> int:
-        """The cycle whose telegram the block sees in a step: the first one in [begin, end).
-
-        In a step without a cycle it is the latest cycle before the step, or cycle 0."""
-        return max(min(self.count_cycles(begin), self.count_cycles(end) - 1), 0)
 
     def true_index(self, times: Reals) -> Reals:
         """The sender's index at these times, shape (times,): real numbers that never wrap."""

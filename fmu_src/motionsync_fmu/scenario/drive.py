@@ -27,10 +27,6 @@ class Drive:
         """Whether the acceleration has a limit."""
         return math.isfinite(self.max_acceleration)
 
-    def acceleration(self, velocity: float, requested: float, scan: float) -> float:
-        """The master's acceleration in u/s2 during a scan, in s, that starts at `velocity`.
-
-        At the end of the scan the velocity is that of the lag whose input was `requested` during the scan, unless the
-        acceleration is at its limit."""
-        unlimited = (requested - velocity) * -math.expm1(-scan / self.time_constant) / scan
-        return min(max(unlimited, -self.max_acceleration), self.max_acceleration)
+    def gain(self, scan: float) -> float:
+        """The share of the distance to the requested velocity by which the lag comes nearer in a scan, in s."""
+        return -math.expm1(-scan / self.time_constant)

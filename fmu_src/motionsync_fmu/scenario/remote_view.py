@@ -1,10 +1,14 @@
 """What a block sees of a scenario's remote axis: telegrams, which are samples of the scripted axis."""
 
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..interface.roles import MOTION, RemoteAxisVariables
+import numpy as np
+
+from ..interface.roles import RemoteAxisVariables
+from ..runner import telegrams as runner
 from .clocks import Clocks, Telegrams
 from .script import Script
 
@@ -49,13 +53,16 @@ class RemoteView:
     delays: Sequence[tuple[float, float]]
     accuracy: Accuracy | None
 
+    def seen(self) -> runner.Telegrams:
+        """The telegrams of a run."""
+        return runner.Telegrams(self.clocks.task_cycle, *self._series)
+
+    @cached_property
+    def _series(self) -> "tuple[array[int], array[float]]":
+        """Index and motion of the telegrams, as the package `runner` reads them."""
+        indices = self.telegrams.cycle_index.astype(np.int64)
+        return array("q", indices.tobytes()), array("d", self.telegrams.motion.tobytes())
+
     @cached_property
     def telegrams(self) -> Telegrams:
         return self.clocks.telegrams(self.axis, self.cycles)
-
-    def inputs(self, begin: float, end: float) -> dict[str, float]:
-        """The telegram that the block sees in a step."""
-        i = self.clocks.find_visible_cycle(begin, end)
-        motion = zip(MOTION, self.telegrams.motion[i].tolist(), strict=True)
-        index = {self.names.cycle_index: int(self.telegrams.cycle_index[i])}
-        return index | {f"{self.names.part}.{n}": x for n, x in motion}

@@ -1,12 +1,17 @@
 """The scripted axis of a scenario: its motion is given segment by segment, and is exact at every time."""
 
+from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..runner.axis import Axis, position_after, velocity_after
 
 
 @dataclass(frozen=True)
@@ -32,14 +37,9 @@ class AxisMotion(NamedTuple):
     jerk: float
 
     def after(self, t: float) -> "AxisMotion":
-        """The motion a time t later, with constant jerk."""
-        a, j = self.acceleration, self.jerk
-        return AxisMotion(
-            self.position + t * (self.velocity + t * (a / 2.0 + t * j / 6.0)),
-            self.velocity + t * (a + t * j / 2.0),
-            a + t * j,
-            j,
-        )
+        """The motion a time t later, with constant jerk; of many motions at once, too."""
+        position, velocity, a, j = self
+        return AxisMotion(position_after(t, position, velocity, a, j), velocity_after(t, velocity, a, j), a + t * j, j)
 
 
 class Script:
@@ -73,23 +73,20 @@ class Script:
         self.motions.append(AxisMotion(ending.position, ending.velocity, 0.0, 0.0))
         self.points = self.breaks
 
-    def accelerate_from(self, t: float, acceleration: float) -> None:
-        """Continue from t on, a time after the last break, with this constant acceleration."""
-        reached = self.until(t)
-        self.breaks.append(t)
-        self.motions.append(AxisMotion(reached.position, reached.velocity, acceleration, 0.0))
+    @cached_property
+    def series(self) -> "tuple[array[float], array[float]]":
+        """The breaks, and the motions at them, four numbers each, as the package `runner` reads them."""
+        return array("d", self.breaks), array("d", chain.from_iterable(self.motions))
+
+    def axis(self) -> Axis:
+        """The axis of a run that has this script."""
+        axis = Axis(*self.series, len(self.breaks), self.is_recorded)
+        axis.start_position, axis.start_velocity, axis.start_acceleration, _ = self.initial
+        return axis
 
     def at(self, t: float) -> AxisMotion:
         """The motion at t; where it jumps at t, the motion after the jump."""
         return self._after(max(bisect_right(self.breaks, t) - 1, 0), t)
-
-    def start_motion(self, delay: float) -> AxisMotion:
-        """The motion a time before the start, in s, with which a delayed line starts."""
-        return self.before(-delay)
-
-    def before(self, t: float) -> AxisMotion:
-        """The motion at t; before 0 the initial one, carried on backwards with its acceleration."""
-        return self.initial.after(t) if t < 0.0 else self.at(t)
 
     def table(self) -> NDArray[np.float64]:
         """The motions at the breaks, shape (breaks, 4): u, u/s, u/s2, u/s3."""

@@ -3,6 +3,7 @@
 A counter that wraps makes a jump from one row to the next. No encoder has seen what a straight line between these two
 would be, and to a block it would be a fast line; so the line goes on as before until the second one."""
 
+from array import array
 from functools import cached_property
 
 import numpy as np
@@ -52,9 +53,9 @@ class Trace(Script):
     def table(self) -> Reals:
         return self._table
 
-    def start_motion(self, delay: float) -> AxisMotion:
-        """The mean motion of the beginning: neighbouring positions alone would show their rounding."""
-        return self.initial
+    @cached_property
+    def series(self) -> "tuple[array[float], array[float]]":
+        return array("d", np.asarray(self.breaks).tobytes()), array("d", self._table.tobytes())
 
 
 def _between_jumps(velocities: Reals) -> Reals:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import attrgetter
 
-from .package import MATH_CONSTANTS, Kind, Meaning, Package
+from .package import MATH_CONSTANTS, SERIES, Kind, Meaning, Package
 
 MATH = {"math.sqrt": "float", "math.floor": "int", "math.isfinite": "bool", "math.fmod": "float"}
 COPY = "var.copy"  # copies one part into another of the same class
@@ -23,6 +23,9 @@ MEMBER = "an enumeration member is compared, never converted or asked for its na
 BOOLEANS = "and, or join Booleans only: write a comparison"
 INT_AS_FLOAT = "an integer becomes a float in arithmetic and comparisons only: write 1.0, or float(n)"
 OBJECT = "an object or list is chosen by its name alone, and is never returned: choose between its values"
+GIVEN = (
+    "a series is a field, of which only elements and the length are used; no part that has one is copied or compared"
+)
 PARTS = "parts are compared with var.same, and lists element by element"
 CALL = "only kernel functions, methods of objects, abs, min, max, round, int, float, len and math's are called"
 
@@ -89,6 +92,11 @@ class ExpressionRules(ast.NodeVisitor):
         return "int" if all(kind in ("int", "bool") or self.package.is_enumeration(kind) for kind in (a, b)) else "?"
 
     def value_kind(self, node: ast.expr) -> Kind:
+        kind = self.sequence_kind(node)
+        return self.flag(node, GIVEN) if kind in SERIES.values() else kind
+
+    def sequence_kind(self, node: ast.expr) -> Kind:
+        """The kind of a value, which may be a series."""
         kind: Kind = self.visit(node)
         return self.flag(node, TUPLE) if isinstance(kind, tuple) else kind
 
@@ -143,13 +151,13 @@ class ExpressionRules(ast.NodeVisitor):
 
     def visit_Subscript(self, node: ast.Subscript) -> Kind:
         self.value_kind(node.slice)
-        self.value_kind(node.value)
-        return "float"
+        return "int" if self.sequence_kind(node.value) == "wholes" else "float"
 
     def visit_Call(self, node: ast.Call) -> Kind:
         for keyword in node.keywords:
             self.flag(keyword.value, "arguments are positional")
-        kinds = [self.value_kind(argument) for argument in node.args]
+        is_len = isinstance(node.func, ast.Name) and node.func.id == "len"
+        kinds = [self.sequence_kind(argument) if is_len else self.value_kind(argument) for argument in node.args]
         meaning = self.meaning(node.func)
         match node.func:
             case _ if isinstance(meaning, ast.FunctionDef):
@@ -185,6 +193,8 @@ class ExpressionRules(ast.NodeVisitor):
             number = 1 if meaning == FIRST_INVALID else 2
             are_parts = len(kinds) == number and kinds[0] != "list" and self.package.is_object(kinds[0])
             is_alike = kinds[-1:] == kinds[:1] or (meaning != COPY and self.package.is_derived(kinds[-1], kinds[0]))
+            if are_parts and self.package.has_series(kinds[0]):
+                return self.flag(node, GIVEN)
             what = "a part" if number == 1 else "two parts of the same class"
             return PART_FUNCTIONS[meaning] if are_parts and is_alike else self.flag(node, f"{meaning} takes {what}")
         other = POWER if meaning == "math.pow" else f"{meaning} is not called: only {', '.join(MATH)}"

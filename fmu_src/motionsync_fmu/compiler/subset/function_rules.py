@@ -4,9 +4,10 @@ import ast
 from typing import TypeAlias
 
 from .expression_rules import OBJECT, TUPLE, ExpressionRules, Violation
-from .package import CheckedFunction, Kind, Meaning, Package
+from .package import SERIES, CheckedFunction, Kind, Meaning, Package
 
 RETURNED = "a float, int, bool or an enumeration"
+NOT_PASSED = ("?", "None", *SERIES.values())  # no parameter and no local has these kinds
 KINDS = "a float, int, bool, an enumeration, list[float] or a kernel dataclass"
 PATTERN = "match and its patterns: an integer or an enumeration member, several joined with `|`, or `_`"
 
@@ -51,6 +52,8 @@ class FunctionRules(ExpressionRules):
 
     def check(self) -> None:
         self.check_signature()
+        if self.package.header(self.file):
+            return
         self.bound: Bound = frozenset(self.kinds)
         self.locals = self.bound.union(self.function.stored_names(self.node))
         self.block(without_docstring(self.node.body))
@@ -68,7 +71,7 @@ class FunctionRules(ExpressionRules):
             kind = self.package.kind(self.file, argument.annotation)
             is_self = at == 0 and argument.arg == "self" and self.owner is not None
             self.kinds[argument.arg] = self.owner if is_self and self.owner else kind
-            if not is_self and (kind in ("?", "None") or isinstance(kind, tuple)):
+            if not is_self and (kind in NOT_PASSED or isinstance(kind, tuple)):
                 self.flag(argument, f"a parameter is {KINDS}")
         parts = returns if isinstance(returns, tuple) else (returns,)
         if "?" in parts:
@@ -140,7 +143,7 @@ class FunctionRules(ExpressionRules):
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         kind = self.package.kind(self.file, node.annotation)
-        if kind in ("?", "None") or isinstance(kind, tuple):
+        if kind in NOT_PASSED or isinstance(kind, tuple):
             self.flag(node, f"a local is {KINDS}")
         if node.value is not None:
             self.check_conversion(node.value, self.value_kind(node.value), kind)

@@ -7,7 +7,7 @@ from . import evaluation_order
 from .effects import Effects
 from .expression_rules import ExpressionRules, Violation, in_order, is_tuple_of_names
 from .function_rules import KINDS, FunctionRules, without_docstring
-from .package import MODEL, Kind, Package
+from .package import MODEL, SERIES, Kind, Package
 
 DERIVED = (
     "a dataclass derives from one kernel dataclass at most; unless that one has declared fields only, it then adds "
@@ -118,6 +118,9 @@ class ModuleRules(ExpressionRules):
         call = self.declaration_call(start)
         if kind in ("?", "None") or isinstance(kind, tuple) or isinstance(item.annotation, ast.Constant):
             self.flag(item, f"a field is {KINDS}")
+        elif kind in SERIES.values():
+            if call is None or self.meaning(call.func) != "var.series":
+                self.flag(item, "a series is made by var.series()")
         elif self.package.is_object(kind):
             if call is None or (kind != "list" and kind not in [self.meaning(argument) for argument in call.args[:1]]):
                 self.flag(item, "an object or list is made with its owner: var.part(Class), var.ring(length)")

@@ -1,9 +1,13 @@
-"""The modules of the model, with the meaning of each name in them."""
+"""The modules of the model, with the meaning of each name in them.
+
+Beside a module may be a header of C with its name, which has its functions by hand: of the module itself only their
+signatures count."""
 
 import ast
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import PurePosixPath
@@ -13,9 +17,10 @@ EXEMPT = ("__init__.py", "blocks.py", "var.py")  # public names, registry, decla
 MATH_CONSTANTS = ("math.e", "math.inf", "math.nan", "math.pi", "math.tau")
 MODEL = "motionsync"  # the package with the declarations; a block may be in another one
 ENUMERATIONS = ("var.Enumeration",)  # what enumerations derive from
+SERIES = {"var.Reals": "reals", "var.Wholes": "wholes"}  # kinds of numbers that are given from outside
 
-# The kind of a value: "float", "int", "bool", "list", the class of an enumeration member or object, the kinds in a
-# returned tuple, or "?" (unknown: its expression has violated a rule).
+# The kind of a value: "float", "int", "bool", "list", "reals", "wholes", the class of an enumeration member or object,
+# the kinds in a returned tuple, or "?" (unknown: its expression has violated a rule).
 Kind: TypeAlias = "str | ast.ClassDef | tuple[Kind, ...]"
 Meaning: TypeAlias = ast.stmt | str | None  # of a module-level name: its statement, or such as "math.sqrt"
 Number: TypeAlias = float | int | bool
@@ -106,6 +111,15 @@ def parse_module(file: str, text: str) -> ast.Module:
     return ast.parse(text, file)
 
 
+def signatures(tree: ast.Module) -> ast.Module:
+    """The functions of a module, each with its docstring alone."""
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    copies = {node: copy(node) for node in functions}
+    for function in copies.values():
+        function.body = function.body[:1]
+    return ast.Module([*copies.values()], [])
+
+
 @cache
 def child_nodes(node: ast.AST) -> list[ast.AST]:
     """The nodes directly in a node."""
@@ -116,7 +130,10 @@ class Package:
     """The modules of the model (path inside the package to text), with the meaning of each name in them."""
 
     def __init__(self, sources: Mapping[str, str]) -> None:
-        self.trees = {file: parse_module(file, text) for file, text in sorted(sources.items())}
+        self.headers = {file: text for file, text in sources.items() if file.endswith(".h")}
+        modules = sorted((file, text) for file, text in sources.items() if file not in self.headers)
+        self.trees = {file: parse_module(file, text) for file, text in modules}
+        self.trees |= {file: signatures(tree) for file, tree in self.trees.items() if self.header(file)}
         self.names = {file: dict(self.module_names(tree)) for file, tree in self.trees.items()}
         self.meanings: dict[tuple[str, str], Meaning] = {}
         self.file_of = {node: file for file, tree in self.trees.items() for node in tree.body}
@@ -127,6 +144,10 @@ class Package:
         self.enumerations = {
             node for node, file in classes if any(self.meaning(file, base) in ENUMERATIONS for base in node.bases)
         }
+
+    def header(self, file: str) -> str:
+        """The C of a module that is written by hand; empty: the module is translated."""
+        return self.headers.get(str(PurePosixPath(file).with_suffix(".h")), "")
 
     @staticmethod
     def is_exempt(file: str) -> bool:
@@ -199,14 +220,22 @@ class Package:
             case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=parts)):
                 return tuple(self.kind(file, part) for part in parts)
         meaning = self.meaning(file, annotation)
-        return meaning if isinstance(meaning, ast.ClassDef) else "?"
+        return meaning if isinstance(meaning, ast.ClassDef) else SERIES.get(str(meaning), "?")
 
     def is_enumeration(self, kind: Kind) -> bool:
         return kind in self.enumerations
 
     def is_object(self, kind: Kind) -> bool:
-        """Whether values of a kind are lists, or objects of a dataclass."""
-        return kind == "list" or (isinstance(kind, ast.ClassDef) and kind not in self.enumerations)
+        """Whether values of a kind are lists, series, or objects of a dataclass."""
+        is_list = kind == "list" or kind in SERIES.values()
+        return is_list or (isinstance(kind, ast.ClassDef) and kind not in self.enumerations)
+
+    def has_series(self, kind: Kind) -> bool:
+        """Whether an object of a kind has numbers that are given from outside, in itself or in its parts."""
+        if kind in SERIES.values():
+            return True
+        fields = self.all_fields(kind) if isinstance(kind, ast.ClassDef) and kind not in self.enumerations else {}
+        return any(self.has_series(self.field_kind(kind, name) or "?") for name in fields)  # type: ignore[arg-type]
 
     def field_kind(self, owner: ast.ClassDef, name: str) -> "Kind | None":
         """The kind of a field, inherited ones included; None if there is none."""

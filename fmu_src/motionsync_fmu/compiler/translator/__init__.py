@@ -4,6 +4,7 @@ The translator uses what the checker of the subset has determined (the kind of e
 function changes); the descriptions of fields and the start values come from the classes as Python runs them.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -24,6 +25,15 @@ def c_source(block: Any) -> Files:
     program = _program(block_class, tuple(module_texts(block_class.__module__).items()))
     source = program.source(block)
     return {"block.h": program.header().encode(), "block.c": source.encode()}
+
+
+def c_text(owner: type[Any], entries: Sequence[str]) -> str:
+    """The C of a class that is no block, with these methods and all that they need, for the C that owns it to include.
+
+    Raises:
+        UserError: the class is outside the kernel subset.
+    """
+    return Program(owner, module_texts(owner.__module__), entries).included()
 
 
 @lru_cache(maxsize=8)

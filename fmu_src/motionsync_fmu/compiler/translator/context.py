@@ -12,12 +12,13 @@ from ...interface.fingerprint import collect_sources
 from ..subset import evaluation_order
 from ..subset.effects import Effects
 from ..subset.module_rules import check_block
-from ..subset.package import MODEL, Kind, Package, assigned_name
+from ..subset.package import MODEL, SERIES, Kind, Package, assigned_name
 from .names import Names
 from .raising import Raising
 from .text import comments
 
 TYPES = {"float": "double", "list": "double", "int": "int64_t", "bool": "bool", "None": "void"}
+TYPES |= dict.fromkeys(SERIES.values(), "Series")
 
 
 class Context:
@@ -28,6 +29,7 @@ class Context:
         lines: of each module's text.
         comments: of each module, by line.
         helpers, constants, tuples, types: what the text needs.
+        is_inline: whether the functions are to be made part of what calls them.
         part_functions: those functions of parts, by their names in `var` and the parts' classes.
 
     Raises:
@@ -45,13 +47,14 @@ class Context:
             raise UserError("\n".join(map(str, violations)))
         self.raising = Raising(self.effects)
         self.names = Names(self.package)
-        self.lines = {file: text.splitlines() for file, text in texts.items()}
-        self.comments = {file: dict(comments(text)) for file, text in texts.items()}
+        self.lines = {file: texts[file].splitlines() for file in self.package.trees}
+        self.comments = {file: dict(comments(texts[file])) for file in self.package.trees}
         self.helpers: set[str] = set()
         self.constants: dict[ast.stmt, str] = {}
         self.tuples: dict[str, tuple[Kind, ...]] = {}
         self.types: dict[ast.ClassDef, None] = {}
         self.part_functions: dict[tuple[str, ast.ClassDef], None] = {}
+        self.is_inline = False
 
     def find_class(self, python_class: type[Any]) -> ast.ClassDef:
         classes = (node for node in self.package.file_of if isinstance(node, ast.ClassDef))
@@ -109,9 +112,17 @@ def module_texts(module: str) -> dict[str, str]:
     if root == MODEL:
         return {name: text.decode() for name, text in collect_sources(module).items()}
     if "." in module:
-        own = {f"{root}/{name}": text.decode() for name, text in collect_sources(module).items()}
+        own = {f"{root}/{name}": text.decode() for name, text in collect_sources(module).items()} | headers(module)
     else:
         own = {f"{root}.py": Path(str(importlib.import_module(module).__file__)).read_text("utf-8")}
-    imports = [node for text in own.values() for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
+    modules = [text for name, text in own.items() if name.endswith(".py")]
+    imports = [node for text in modules for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
     of_model = {str(node.module) for node in imports if not node.level and f"{node.module}".startswith(f"{MODEL}.")}
     return {name: text for other in sorted(of_model) for name, text in module_texts(other).items()} | own
+
+
+def headers(module: str) -> dict[str, str]:
+    """The C that is written by hand beside a module, by paths that start with the name of its package."""
+    folder = Path(str(importlib.import_module(module).__file__)).parent
+    path = "/".join(module.split(".")[:-1])
+    return {f"{path}/{file.name}": file.read_text("utf-8") for file in sorted(folder.glob("*.h"))}

@@ -4,7 +4,7 @@ import ast
 from typing import NamedTuple
 
 from ..subset.expression_rules import COPY, PART_FUNCTIONS
-from ..subset.package import CheckedFunction, Kind
+from ..subset.package import SERIES, CheckedFunction, Kind
 from .context import Context
 from .helpers import HELPERS
 from .names import BASE
@@ -96,7 +96,7 @@ class ExpressionWriter:
             case ast.Name() | ast.Attribute():
                 result = Code(self.name_text(node))
             case ast.Subscript(value=values, slice=index):
-                result = Code(f"{self.code(values)}[{self.index(node, index)}]")
+                result = Code(f"{self.elements(values)}[{self.index(node, index)}]")
             case ast.Constant(value=bool() | int() | float() as value):
                 result = Code(literal(value))
             case ast.BinOp(left=left, op=op, right=right):
@@ -123,12 +123,20 @@ class ExpressionWriter:
         sign, text = "-" if isinstance(op, ast.USub) else "+", self.code(operand, UNARY, kind)
         return Code(f"{sign}({text})" if text.startswith(sign) else f"{sign}{text}", UNARY)
 
+    def elements(self, values: ast.expr) -> str:
+        """A list, or the numbers of a series, by their address."""
+        kind = self.kind(values)
+        return f"{kind.upper()}({self.code(values)})" if kind in SERIES.values() else self.code(values)  # type: ignore[union-attr]
+
     def index(self, node: ast.Subscript, index: ast.expr) -> str:
         """An element's index, checked unless that is not needed."""
         if not self.context.raising.may_raise(self.function, node):
             return self.code(index)
-        length = self.context.effects.list_length(self.function, node.value)
-        return self.helper("index_in", self.code(index, 0, "int"), str(length)).text
+        return self.helper("index_in", self.code(index, 0, "int"), self.length(node.value)).text
+
+    def length(self, values: ast.expr) -> str:
+        length = self.context.effects.list_length(self.function, values)
+        return str(length) if length else f"{self.code(values)}.count"
 
     # --- names ---
 
@@ -231,7 +239,7 @@ class ExpressionWriter:
         elif name in ("min", "max"):
             result = self.least_or_greatest(name, kind, node.args)
         elif name == "len":
-            result = Code(str(self.context.effects.list_length(self.function, first)))
+            result = Code(self.length(first))
         elif name in ("int", "round", "floor"):
             result = self.to_int(node, first)
         elif name == "float":

@@ -36,7 +36,8 @@ class FunctionWriter(ExpressionWriter):
             parameters.append(f"{before}{self.context.type_of(kind)} {'*' * is_object}{self.names.local_name(name)}")
         parameters += ["bool *failed"] if failing else []
         returns = self.context.type_of(self.package.kind(self.function.file, self.function.node.returns))
-        return f"static {returns} {self.names.name_of(self.function.node)}({', '.join(parameters) or 'void'})"
+        linkage = "static inline" if self.context.is_inline else "static"
+        return f"{linkage} {returns} {self.names.name_of(self.function.node)}({', '.join(parameters) or 'void'})"
 
     def prototype(self) -> list[str]:
         return fold(f"{self.signature()};")

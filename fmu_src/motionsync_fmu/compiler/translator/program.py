@@ -1,7 +1,7 @@
-"""A block with all that it needs, as two files of C."""
+"""A block with all that it needs, as two files of C; or another class, as one file that the C of its owner includes."""
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ..memory_layout import dtype
@@ -41,6 +41,8 @@ HEAD = """\
  * The same bits everywhere: IEEE 754 doubles, rounded to nearest, no fused operations, no extended precision.
  * `failed` becomes true, and stays so, where Python would raise: at a division by zero, at an index outside a list. */
 #include "block.h"
+{requirements}"""
+REQUIREMENTS = """\
 #include <float.h>
 #include <math.h>
 
@@ -63,6 +65,24 @@ HEAD = """\
 #endif
 
 """
+INCLUDED = """\
+/* {name}, as portable C99: generated from the Python source, whose names, words and order it keeps.
+ *
+ * All functions are static: the loop that includes this file has no calls. `failed` becomes true, and stays so, where
+ * Python would raise. */
+#include <stdbool.h>
+#include <stdint.h>
+{requirements}
+"""
+SERIES = """\
+typedef struct { /* the address of the first number, and how many there are; 64 bits also where an address has 32 */
+    int64_t address, count;
+} Series;
+
+#define REALS(series) ((double *)(intptr_t)(series).address)
+#define WHOLES(series) ((int64_t *)(intptr_t)(series).address)
+"""
+METHODS = ("initialize", "step")  # of a block
 HELPERS = """\
 #if defined __GNUC__ || defined __clang__
 #define APART __attribute__((noinline)) /* not made part of what calls it */
@@ -101,11 +121,12 @@ class Program:
         UserError: the block is outside the kernel subset.
     """
 
-    def __init__(self, block_class: type[Any], texts: Mapping[str, str]) -> None:
+    def __init__(self, block_class: type[Any], texts: Mapping[str, str], entries: Sequence[str] = METHODS) -> None:
         self.context = context = Context(block_class, texts)
+        context.is_inline = entries != METHODS
         self.package, self.names = context.package, context.names
         self.structs = StructWriter(context)
-        methods = (self.package.find_method(context.block_class, name) for name in ("initialize", "step"))
+        methods = (self.package.find_method(context.block_class, name) for name in entries)
         self.entries = [self.package.functions[method] for method in methods if method]
         self.writers = {
             function: FunctionWriter(context, function) for function in context.effects.reachable_from(self.entries)
@@ -115,25 +136,37 @@ class Program:
 
     # --- the files ---
 
+    def included(self) -> str:
+        """The class and its functions as one text, for another file to include; with all enumerations."""
+        self.context.types |= dict.fromkeys(self.package.enumerations)
+        head = INCLUDED.format(name=self.names.name_of(self.context.block_class), requirements=REQUIREMENTS)
+        return head + "\n".join([*self.types(), *self.functions()])
+
     def header(self) -> str:
+        name = self.names.name_of(self.context.block_class)
+        return HEADER.format(name=name, types="\n".join(self.types()))
+
+    def types(self) -> list[str]:
         parts = []
         for file in self.modules():
             types = [self.structs.text(node) for node in self.package.trees[file].body if node in self.context.types]
             parts += [f"/* ===== {file} ===== */\n", *types] if types else []
-        return HEADER.format(name=self.names.name_of(self.context.block_class), types="\n".join(parts))
+        return [SERIES, *parts] if self.package.has_series(self.context.block_class) else parts
 
     def source(self, block: Any) -> str:
         """The text of block.c; `block` has the start values."""
+        memory = BLOCK.format(size=dtype(block).itemsize, start=self.structs.start(block))
+        head = HEAD.format(name=self.names.name_of(self.context.block_class), requirements=REQUIREMENTS)
+        return head + "\n".join([*self.functions(), memory, *map(self.entry, self.entries)])
+
+    def functions(self) -> list[str]:
+        """All functions, with the constants and helpers that they need."""
         modules = [part for file in self.modules() for part in self.module(file)]
         tuples = [self.tuple_text(*shape) for shape in sorted(self.context.tuples.items())]
         helpers = list(helper_texts(self.context.helpers))
         parts = list(PartFunctions(self.context).texts())
         sections = ((HELPERS, helpers), (TUPLES, tuples), (PARTS, parts))
-        first = [text for heading, texts in sections if texts for text in (heading, *texts)]
-        memory = BLOCK.format(size=dtype(block).itemsize, start=self.structs.start(block))
-        return HEAD.format(name=self.names.name_of(self.context.block_class)) + "\n".join(
-            [*first, *modules, memory, *map(self.entry, self.entries)]
-        )
+        return [text for heading, texts in sections if texts for text in (heading, *texts)] + modules
 
     def modules(self) -> dict[str, None]:
         """The modules, each after those that it imports from."""
@@ -154,6 +187,9 @@ class Program:
 
     def module(self, file: str) -> Iterator[str]:
         tree = self.package.trees[file]
+        if header := self.package.header(file):
+            yield header
+            return
         constants = [line for n in tree.body if n in self.context.constants for line in self.constant_text(file, n)]
         functions = sorted((f for f in self.bodies if f.file == file), key=lambda f: f.node.lineno)
         prototypes = [line for function in functions for line in self.writers[function].prototype()]

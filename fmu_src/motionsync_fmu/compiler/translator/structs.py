@@ -1,6 +1,7 @@
 """The types of a block's memory: a struct for each dataclass, an enum for each enumeration; and its start image."""
 
 import ast
+from array import array
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -62,6 +63,8 @@ class StructWriter:
     @staticmethod
     def initial(value: Any) -> str:
         """The value of a field; empty if all of its bits are 0."""
+        if isinstance(value, array):  # a series: none are given at first
+            return ""
         if isinstance(value, list):
             return f"{{{', '.join(map(literal, value))}}}" if any(map(StructWriter.initial, value)) else ""
         number = value if isinstance(value, bool | float) else int(value)

@@ -74,8 +74,8 @@ def measured_inputs(scenario: Scenario, recording: Recording) -> dict[str, Reals
     encoder, line = scenario.encoder, recording.script or scenario.master
     if not encoder or scenario.is_recorded:
         return {}
-    rows = [encoder.inputs(line, t, scenario.step_size, scenario.period)[:2] for t in recording.time.tolist()]
-    return dict(zip(("master.position", "master.velocity"), np.array(rows).T, strict=True))
+    readings = encoder.readings(line, recording.time.tolist(), scenario.step_size, scenario.period)
+    return dict(zip(("master.position", "master.velocity"), np.array([*readings])[:, :2].T, strict=True))
 
 
 def csv_text(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:

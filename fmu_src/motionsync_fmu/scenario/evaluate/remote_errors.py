@@ -38,7 +38,7 @@ def remote_errors(remote: RemoteView, recording: Recording) -> RemoteErrors:
     clocks, telegrams = remote.clocks, remote.telegrams
     cycle_counts = clocks.count_cycles_at(recording.time)
     latest = cycle_counts[1:] - 1
-    visible = np.maximum(np.minimum(cycle_counts[:-1], latest), 0)  # as `Clocks.find_visible_cycle`
+    visible = np.maximum(np.minimum(cycle_counts[:-1], latest), 0)  # as `Telegrams.shown` of the runner
     instant = np.asarray(latest * clocks.task_cycle, np.float64)
     at, delays = np.array(remote.delays).T
     delay = delays[np.searchsorted(at, instant + 1e-9, "right") - 1]
