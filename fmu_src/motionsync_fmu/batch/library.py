@@ -39,8 +39,9 @@ SOURCE_FOLDERS = (  # the folders of the model and of all that compiles it
     Path(str(var.__file__)).parent,
     *(BATCH_FOLDER.with_name(name) for name in ("batch", "compiler", "native", "runner")),
 )
-# After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI.
-ZIG_FLAGS = "-O2 -fvisibility=default"
+# After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI. With the
+# usual threshold it depends on chance which functions of a step are inlined, and a step takes up to 1.5 times as long.
+ZIG_FLAGS = "-O2 -mllvm -inline-threshold=500 -fvisibility=default"
 COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")

@@ -72,7 +72,7 @@ def test_direct_without_transition_is_in_gear_at_once_even_at_rest() -> None:
 
 
 def test_a_master_that_sets_off_gently_moves_from_its_first_step_on() -> None:
-    """At 1e6 it travels 1e-9 in 10 ms, less than positions there are told apart by: its velocity counts."""
+    """At 1e6 it travels 1e-9 in 10 ms, less than two positions there can differ by: its velocity counts."""
     gear = GearingHarness(three_halves(), master_position=1e6, speed=0.0)
     gear.start(start_mode=StartMode.CW_DIRECT, distance=20.0).run(0.01)
     assert gear.state == WAITING_FOR_START
