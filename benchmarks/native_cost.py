@@ -44,9 +44,9 @@ from motionsync_fmu.fmus.fmu import build, build_python
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.native.instance_sources import c_sources
 from motionsync_fmu.native.libraries import Compilation
 from motionsync_fmu.native.platforms import PLATFORMS
-from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 
 FOLDER = Path(__file__).parent

@@ -37,8 +37,8 @@ class MasterPath:
     c2: float = 0.0
     c3: float = 0.0
     sections: int = 0
-    times: list[float] = var.ring(5)
-    positions: list[float] = var.ring(5)
+    times: list[float] = var.array(5)
+    positions: list[float] = var.array(5)
     section: int = 0
     reached: float = 0.0
     now: float = 0.0

@@ -9,7 +9,7 @@ at run time it returns a `dataclasses.field` whose metadata holds the `Declarati
 belongs to the block's state, but is not visible outside the block.
 """
 
-from array import array
+import array as numbers
 from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from enum import Enum, EnumMeta, IntEnum
@@ -23,7 +23,7 @@ from .numerics.computable_range import LARGEST, SMALLEST_LIMIT
 T = TypeVar("T")
 Reals: TypeAlias = MutableSequence[float]
 Wholes: TypeAlias = MutableSequence[int]
-NO_NUMBERS = array("d")
+NO_NUMBERS = numbers.array("d")
 LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite
 
 
@@ -412,7 +412,7 @@ def part(
     return field(default_factory=kind, metadata=metadata)
 
 
-def ring(length: int) -> list[float]:
+def array(length: int) -> list[float]:
     """A list of fixed length, zeros at first."""
     return field(default_factory=lambda: [0.0] * length)
 

@@ -283,7 +283,7 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
         files = {"modelDescription.xml": f'<fmiModelDescription guid="{compute_guid(recipe)}"/>'.encode()}
 
         def finish(target: Path, progress: object) -> Path:
-            write_zip(target, files | ({"sources/unit.c": b""} if options.with_sources else {}))
+            write_zip(target, files | ({"sources/instance.c": b""} if options.with_sources else {}))
             return target
 
         return finish

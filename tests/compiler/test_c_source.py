@@ -46,9 +46,9 @@ class Ramp:
     It grows with each step."""
 
     travel: float = var.output(0.5, "what is covered")
-    laps: list[float] = var.ring(3)
-    times: list[float] = var.ring(3)
-    rows: list[float] = var.ring(6)
+    laps: list[float] = var.array(3)
+    times: list[float] = var.array(3)
+    rows: list[float] = var.array(6)
 
     def advance(self, h: float, gain: float) -> None:
         """Add what a step covers."""

@@ -59,7 +59,7 @@ class Sample:
     doubler: Doubler = var.part(Doubler)
     second: Doubler = var.part(Doubler)
     shown: Shown = var.part(Shown)
-    values: list[float] = var.ring(3)
+    values: list[float] = var.array(3)
     way: Way = Way.NONE
     code: int = 0
     on: bool = False
@@ -97,7 +97,7 @@ class Sample:
 
 @dataclass(slots=True)
 class Inner:
-    values: list[float] = var.ring(3)
+    values: list[float] = var.array(3)
     way: Way = Way.NONE
 
 

@@ -62,7 +62,7 @@ MODULES = [
     (IMPORTS + CLASS + "    x: 'float' = 0.0", 6, "a field is a float"),
     (IMPORTS + CLASS + "    x: float | None = None", 6, "a field is a float"),
     (IMPORTS + CLASS + "    x: tuple[float, float] = (0.0, 0.0)", 6, "a field is a float"),
-    (IMPORTS + CLASS + "    x: list[int] = var.ring(3)", 6, "a field is a float"),
+    (IMPORTS + CLASS + "    x: list[int] = var.array(3)", 6, "a field is a float"),
     (IMPORTS + CLASS + "    x: list[float] = [0.0]", 6, "made with its owner"),
     ("from .part import Part\n" + IMPORTS + CLASS + "    x: Part = Part()", 7, "made with its owner"),
     (IMPORTS + CLASS + "    x: float = 0.0\n    def x(self) -> None:\n        pass", 7, "has the name of a field"),
@@ -117,7 +117,7 @@ MODULES = [
         "declares what it",
     ),
     ("from . import var\ndef f(x: var.Reals) -> float:\n    return 1.0", 2, "a parameter is a float"),
-    (IMPORTS + "@dataclass(slots=True)\nclass Block:\n    x: var.Reals = var.ring(3)", 6, "a series is made by"),
+    (IMPORTS + "@dataclass(slots=True)\nclass Block:\n    x: var.Reals = var.array(3)", 6, "a series is made by"),
     ("def f(x: float) -> float:\n    if x > 0.0:\n        return x", 1, "every path returns"),
     ("async def f() -> None:\n    pass", 1, "at module level are only"),
     ("def f(n: int) -> int:\n    return range", 2, "neither a local nor a constant"),
@@ -212,7 +212,7 @@ INSIDE = {
         class Block(Interface):
             \"\"\"What it does.\"\"\"
             before: float = 0.0
-            edges: list[float] = var.ring(2)
+            edges: list[float] = var.array(2)
 
             def step(self, h: float) -> float:
                 self.speed = (self.part.move(self.position) - self.before) / h

@@ -35,8 +35,8 @@ class Block:
     state: State = var.output(State.IDLE, "the state")
     count: int = 0
     on: bool = False
-    values: list[float] = var.ring(4)
-    more: list[float] = var.ring(5)
+    values: list[float] = var.array(4)
+    more: list[float] = var.array(5)
     track: Track = var.part(Track)
     times: var.Reals = var.series()
     numbers: var.Wholes = var.series()

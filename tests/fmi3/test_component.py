@@ -11,7 +11,7 @@ from wasmtime.component import Component, Linker
 
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.native.unit_sources import c_sources
+from motionsync_fmu.native.instance_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.native_host import saved

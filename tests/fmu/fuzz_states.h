@@ -122,7 +122,7 @@ static void deserialize_fmu_state(Slot *s) {
 
 enum { CHECKSUM = 56, FORGEABLE = 64, MEMORY = 120 }; /* offsets in a serialized state; the block's memory is last */
 
-/* As in unit_states.h: FNV-1a by words, each mixed; the checksum itself counts as 0. */
+/* As in instance_states.h: FNV-1a by words, each mixed; the checksum itself counts as 0. */
 static void set_checksum(Byte *bytes) {
     uint64_t sum = 14695981039346656037u, word;
     memset(bytes + CHECKSUM, 0, sizeof sum);

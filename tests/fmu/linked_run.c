@@ -32,7 +32,7 @@ static void *allocate(size_t n, size_t size) {
 static void release(void *p) { given -= p == memory.bytes; }
 
 #ifdef BARE
-#include "unit.h"
+#include "instance.h"
 Memory system_memory(void) { return (Memory){allocate, release}; } /* in place of memory.c */
 #endif
 

@@ -100,7 +100,7 @@ def fuzzer(recipe: Recipe, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "model.h").write_text(model_header(recipe.block(), compute_guid(recipe), fmi=recipe.fmi))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
-        *(str(UNIT / name) for name in (f"fmi{recipe.fmi}.c", "unit.c", "memory.c")),
+        *(str(UNIT / name) for name in (f"fmi{recipe.fmi}.c", "instance.c", "memory.c")),
         str(FOLDER / f"fuzz{recipe.fmi}.c"),
         "block.o",
         "-lm",

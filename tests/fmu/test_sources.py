@@ -23,9 +23,9 @@ from motionsync_fmu.fmus.fmu import BuildOptions, build
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.native.instance_sources import c_names, c_sources, sources_folder
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import host_platform
-from motionsync_fmu.native.unit_sources import c_names, c_sources, sources_folder
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.fmus import Fmus
@@ -258,7 +258,7 @@ def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_import
     with zipfile.ZipFile(fmu) as z:
         held = {name.removeprefix("sources/") for name in z.namelist() if name.startswith("sources/")}
         assert sources.sourceFiles == sorted(name for name in held if name.endswith(".c"))
-        assert sources.sourceFiles == ["block.c", f"fmi{3 if three else 2}.c", "memory.c", "unit.c"]
+        assert sources.sourceFiles == ["block.c", f"fmi{3 if three else 2}.c", "instance.c", "memory.c"]
         included = {
             header
             for name in held

@@ -76,7 +76,7 @@ CHECKSUM, MODE, GIVEN, STOP, TIME, MEMORY = 56, 64, 72, 104, 112, 120  # offsets
 
 
 def with_checksum(state: bytearray) -> bytes:
-    """A state with the checksum of unit_states.h: FNV-1a by words, each mixed; the checksum itself counts as 0."""
+    """A state with the checksum of instance_states.h: FNV-1a by words, each mixed; the checksum itself counts as 0."""
     struct.pack_into("<Q", state, CHECKSUM, 0)
     total = 14695981039346656037
     for (word,) in struct.iter_unpack("<Q", state):

@@ -27,10 +27,10 @@ from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fingerprint import Files
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native import libraries
+from motionsync_fmu.native.instance_sources import c_sources
 from motionsync_fmu.native.libraries import FOLDER, HEADERS, locate_sources
 from motionsync_fmu.native.macho import universal
 from motionsync_fmu.native.platforms import PLATFORMS, ROWS
-from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.fmus import build_for_host
@@ -269,9 +269,9 @@ def test_zig_finds_the_same_block_and_the_same_unit_again(cache: Path, tmp_path:
     assert [file.stat().st_mtime_ns for file in first.values()] == times
     assert {unit["block.c"] for unit in units} == {first["block.c"]}
     assert {unit["memory.c"] for unit in units} == {FOLDER / "memory.c"}
-    assert len({unit["unit.c"] for unit in units}) == 3
+    assert len({unit["instance.c"] for unit in units}) == 3
     assert located(Recipe("Gearing"), tmp_path)["block.c"] != first["block.c"]
-    for name, header in (("block.c", "block.h"), ("unit.c", "model.h"), ("unit.c", "unit_memory.h")):
+    for name, header in (("block.c", "block.h"), ("instance.c", "model.h"), ("instance.c", "instance_memory.h")):
         assert first[name].is_relative_to(cache)
         assert first[name].with_name(header).is_file()
 
@@ -279,7 +279,7 @@ def test_zig_finds_the_same_block_and_the_same_unit_again(cache: Path, tmp_path:
 def test_what_was_changed_in_the_cache_is_not_compiled(cache: Path, tmp_path: Path) -> None:
     first = located(RECIPE, tmp_path)
     first["block.c"].write_text("damaged")
-    first["unit.c"].unlink()
+    first["instance.c"].unlink()
     assert located(RECIPE, tmp_path) == first
 
 
@@ -287,7 +287,7 @@ def test_what_was_changed_in_the_cache_is_not_compiled(cache: Path, tmp_path: Pa
 def test_a_block_is_compiled_without_a_cache(tmp_path: Path) -> None:
     work = tmp_path / "work"
     work.mkdir()
-    assert {located(RECIPE, work)[name].parent for name in ("block.c", "unit.c")} == {work}
+    assert {located(RECIPE, work)[name].parent for name in ("block.c", "instance.c")} == {work}
 
 
 def test_what_determines_the_code_changes_the_guid_of_both_flavours(
@@ -296,7 +296,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     before = compute_guid(RECIPE)
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert why_outdated(target, RECIPE) == ""
-    modules = ("compiler_process", "libraries", "macho", "platforms", "tables", "unit_sources")
+    modules = ("compiler_process", "libraries", "macho", "platforms", "tables", "instance_sources")
     own = {
         "heat.h",
         "decimal.h",
@@ -307,13 +307,13 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
         "model.h.j2",
         "portable.h",
         "sources.md.j2",
-        "unit.c",
-        "unit.h",
-        "unit_access.h",
-        "unit_memory.h",
-        "unit_messages.h",
-        "unit_ranges.h",
-        "unit_states.h",
+        "instance.c",
+        "instance.h",
+        "instance_access.h",
+        "instance_memory.h",
+        "instance_messages.h",
+        "instance_ranges.h",
+        "instance_states.h",
     }
     others = own | {f"freestanding/{name}" for name in ("freestanding.c", "libc.c", "math.h", "stdlib.h", "string.h")}
     names = {f"native/{name}" for name in (*others, *(f"{module}.py" for module in modules))}

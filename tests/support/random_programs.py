@@ -39,7 +39,7 @@ class Part:
     x: float = 0.25
     n: int = 3
     on: bool = False
-    values: list[float] = var.ring(4)
+    values: list[float] = var.array(4)
 
     def add(self, x: float) -> float:
         self.x += x
@@ -70,17 +70,17 @@ class Programs:
     other: Part = var.part(Part)
     longer: Longer = var.part(Longer)
     stored: Longer = var.part(Longer)
-    values: list[float] = var.ring(SIZE)
+    values: list[float] = var.array(SIZE)
     x: float = 0.0
     y: float = 0.0
     i: int = 0
     k: int = 0
     on: bool = False
     calls: int = 0
-    rows: list[float] = var.ring(6)
+    rows: list[float] = var.array(6)
     reals: var.Reals = var.series()
     wholes: var.Wholes = var.series()
-    noted: list[float] = var.ring(32)
+    noted: list[float] = var.array(32)
     notes: int = 0
 
     def initialize(self) -> Refusal:

@@ -32,7 +32,7 @@ from ..native.compiler_process import run_compiler
 from ..native.platforms import host_platform
 from ..optional_dependencies import how_to_install
 from ..runner.run import Run
-from .loop_plan import Cause
+from .batch_layout import Cause
 
 BATCH_FOLDER = Path(__file__).parent  # whose C is compiled with every block
 SOURCE_FOLDERS = (  # the folders of the model and of all that compiles it

@@ -2,7 +2,7 @@
  * instance, and reads or reduces the outputs.
  *
  * One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets, all in bytes, state
- * what is set and what is read. loop_plan.py explains them. */
+ * what is set and what is read. batch_layout.py explains them. */
 #include "block_memory.h"
 #include "causes.h"
 #include "limits.h"
@@ -40,14 +40,14 @@ typedef struct {
     double *samples; /* for the reductions: their rows */
     int64_t first; /* the number of the first instance there */
     Report *reports;
-} LoopPlan;
+} BatchLayout;
 
 static int64_t address_of(const Array *a, int64_t i, int64_t t) {
     return a->address + i * a->per_instance + t * a->per_step;
 }
 
 /* Set the inputs of a step, up to the first Real that is not allowed: its number; -1 if all are allowed. */
-static int64_t set_inputs(const LoopPlan *p, int64_t block, int64_t i, int64_t t) {
+static int64_t set_inputs(const BatchLayout *p, int64_t block, int64_t i, int64_t t) {
     for (int64_t k = 0; k < p->reals.count; k++) {
         const Source *s = p->reals.rows + k;
         const double x = AT(const double, address_of(&s->values, i, t));
@@ -62,7 +62,7 @@ static int64_t set_inputs(const LoopPlan *p, int64_t block, int64_t i, int64_t t
 }
 
 /* Copy the outputs into a row of the target, as doubles. */
-static void write_outputs(const LoopPlan *p, int64_t block, int64_t row) {
+static void write_outputs(const BatchLayout *p, int64_t block, int64_t row) {
     for (const Sink *s = p->out_reals.rows, *end = s + p->out_reals.count; s < end; s++)
         AT(double, row + s->target_offset) = AT(const double, block + s->offset);
     for (const Sink *s = p->out_words.rows, *end = s + p->out_words.count; s < end; s++)
@@ -72,7 +72,7 @@ static void write_outputs(const LoopPlan *p, int64_t block, int64_t row) {
 }
 
 /* Run one instance from start to end. The report: why, at which step, and at which input or refusal it stopped. */
-static Report run_instance(const LoopPlan *p, int64_t i, Samples *samples) {
+static Report run_instance(const BatchLayout *p, int64_t i, Samples *samples) {
     const int64_t block = p->blocks + i * p->size;
     Block *self = (Block *)(intptr_t)block;
     bool failed = false;
@@ -95,7 +95,7 @@ static Report run_instance(const LoopPlan *p, int64_t i, Samples *samples) {
 }
 
 /* Execute a plan. An instance whose report has a cause already is left alone. */
-void batch_run(const LoopPlan *p) {
+void batch_run(const BatchLayout *p) {
     for (int64_t i = 0; i < p->instances; i++) {
         if (p->reports[i].cause != CAUSE_NONE) continue;
         Samples samples = {p->samples, 0, 0.0};

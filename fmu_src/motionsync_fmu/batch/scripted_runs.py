@@ -24,9 +24,9 @@ from ..scenario.recording import Recording
 from ..scenario.run.tables import RunTables
 from ..scenario.scenario import Scenario
 from ..scenario.settings import UnmetReaction
+from .batch_layout import Cause
 from .block_memory import block_memory
 from .library import library
-from .loop_plan import Cause
 from .reductions import Reduce, Reductions
 from .simulation import NO_RESULT, count_workers, find_refused
 

@@ -44,9 +44,9 @@ from ..interface.variables import (
     step_size_refusal,
     variables_in_message,
 )
+from .batch_layout import CAUSE, BatchLayout, Cause
 from .block_description import refusals_by_number, start_memory
 from .library import library
-from .loop_plan import CAUSE, Cause, LoopPlan
 from .reductions import Reduce, Reductions
 from .result_arrays import new_array
 
@@ -352,9 +352,9 @@ class _Task:
         """These instances' values of each variable of a group, in the type of the block's memory."""
         return [(v.name, c.slice_instances(self.first, last, field(self.memory, v.name).dtype)) for v, c in group]
 
-    def plan(self) -> LoopPlan:
+    def plan(self) -> BatchLayout:
         memory, target, c_tables = self.memory, self.target, self.reductions.c_tables
-        return LoopPlan(
+        return BatchLayout(
             blocks=(memory.ctypes.data, memory.itemsize, len(memory), self.batch.steps),
             step_sizes=_source(self.step_sizes),
             longest=LONGEST_STEP,

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from ..batch.library import BATCH_FOLDER, run_source
 from ..fmus.guid import compute_guid
 from ..interface.recipe import Recipe
-from ..native.unit_sources import c_names, c_sources
+from ..native.instance_sources import c_names, c_sources
 from ..native.wasm.component import core_module
 from ..pages.machine.fragment import live_machine
 from ..pages.packed import packed, packed_json

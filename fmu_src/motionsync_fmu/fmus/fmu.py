@@ -155,7 +155,7 @@ class NativeBuild:
 
     def __init__(self, recipe: Recipe, options: BuildOptions = NATIVE) -> None:
         try:
-            from ..native import libraries, unit_sources  # noqa: PLC0415 (it looks for zig)
+            from ..native import instance_sources, libraries  # noqa: PLC0415 (it looks for zig)
         except ModuleNotFoundError as e:
             other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
             raise UserError(
@@ -167,7 +167,7 @@ class NativeBuild:
         check_kernel(type(block).__module__)
         self.recipe, self.options = recipe, options
         self.platforms = options.platforms or OF_VERSION[fmi]
-        self.unit = unit_sources.c_sources(block, compute_guid(recipe), recipe.causality_overrides, fmi)
+        self.unit = instance_sources.c_sources(block, compute_guid(recipe), recipe.causality_overrides, fmi)
         self.compilation = libraries.Compilation(recipe.name, self.unit, self.platforms)
 
     def finish(self, target: Path, progress: Progress = ignore) -> Path:
@@ -176,11 +176,11 @@ class NativeBuild:
         Raises:
             UserError: zig failed.
         """
-        from ..native import libraries, tables, unit_sources  # noqa: PLC0415
+        from ..native import instance_sources, libraries, tables  # noqa: PLC0415
         from ..native.wasm import component  # noqa: PLC0415
 
         recipe, options, block = self.recipe, self.options, self.recipe.block()
-        c_files = unit_sources.c_names(self.unit) if options.with_sources else ()
+        c_files = instance_sources.c_names(self.unit) if options.with_sources else ()
         folders = [*(platform.folder for platform in self.platforms), *([WASM] if options.with_component else [])]
         with self.compilation:
             files = _documents(recipe, options, folders, c_files) | self.compilation.libraries(progress)
@@ -188,7 +188,7 @@ class NativeBuild:
             files |= component.component_files(recipe.name, self.unit)
         files[LICENCE] = join_in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))
         if options.with_sources:
-            files |= unit_sources.sources_folder(block, self.unit, recipe.fmi)
+            files |= instance_sources.sources_folder(block, self.unit, recipe.fmi)
         memory = {} if options.with_sources else OWN_MEMORY
         return write_zip(target, files | _descriptions(recipe, tables.abilities(block) | memory, c_files))
 

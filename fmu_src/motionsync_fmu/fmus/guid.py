@@ -36,7 +36,7 @@ def native_toolchain() -> MappingProxyType[str, bytes]:
     """The part of this package that determines the native code: what makes the C and compiles it, with its modules, the
     C files and the template of the tables."""
     native = PACKAGE / "native"
-    makers = (collect_sources(f"{PACKAGE.name}.native.{module}") for module in ("unit_sources", "libraries"))
+    makers = (collect_sources(f"{PACKAGE.name}.native.{module}") for module in ("instance_sources", "libraries"))
     modules = {name for names in makers for name in names if name.startswith(("compiler/", "native/"))}
     files = (file for folder in (native, native / "freestanding") for file in folder.iterdir())
     others = (file.relative_to(PACKAGE).as_posix() for file in files if file.suffix in (".c", ".h", ".j2"))

@@ -10,9 +10,9 @@
 enum { DECIMAL_TEXT_SIZE = 32, FEW_DIGITS = 6 }; /* bytes that the text of a number needs at most, with its end */
 
 /* The number in so many significant digits, at most 12, or in six if they are enough, as C's %g writes it, with a point
- * whatever the locale is. What was written in so many digits is written so again; of any other number the last digit may be
- * the neighbouring one, since a number far from 1 is rounded some hundred times on the way, each time by 1.1e-16 of it.
- * Returns the end of the text. */
+ * whatever the locale is. What was written in so many digits is written so again; of any other number the last digit
+ * may be the neighbouring one, since a number far from 1 is rounded some hundred times on the way, each time by 1.1e-16
+ * of it. Returns the end of the text. */
 COLD static char *write_decimal(char *to, double x, int digits) {
     uint64_t whole, most = 1;
     int exponent = 0, n = digits;

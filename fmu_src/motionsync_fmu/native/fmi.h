@@ -7,13 +7,14 @@
  *
  * and afterwards pass_to_importer, which passes a message on to the importer. */
 #include <string.h>
-#include "unit.h"
+#include "instance.h"
 
 #if defined __GNUC__
-#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard has them, and some mean nothing to these units */
+#pragma GCC diagnostic ignored                                                                                         \
+    "-Wunused-parameter" /* the standard has them, and some mean nothing to these instances */
 #endif
 
-typedef struct { /* what these functions store with each unit */
+typedef struct { /* what these functions store with each instance */
     Logger logger;
     Environment environment;
     char name[];
@@ -21,7 +22,7 @@ typedef struct { /* what these functions store with each unit */
 
 static LogFunction pass_to_importer;
 
-/* The log categories by status, from UNIT_WARNING on. */
+/* The log categories by status, from STATUS_WARNING on. */
 static const char *category_name(int i) {
     return i == 0 ? "logStatusWarning" : i == 1 ? DISCARD_CATEGORY : "logStatusError";
 }
@@ -35,54 +36,57 @@ enum {
 /* The function ends with the status of this call of the core. */
 #define RETURN_STATUS(status) return (FmiStatus)(status)
 
-/* The function ends with an error unless the unit is in one of these modes. */
+/* The function ends with an error unless the instance is in one of these modes. */
 #define REQUIRE_MODE(modes) \
-    if (!unit_check_mode(c, modes, __func__)) RETURN_STATUS(UNIT_ERROR)
+    if (!instance_check_mode(c, modes, __func__)) RETURN_STATUS(STATUS_ERROR)
 
-/* A unit with this name and GUID; NULL, and an error is logged, if something is wrong. `error`: what is wrong besides name
- * and GUID, or NULL; `refusal_status`: as for unit_new. */
-static Unit *instantiate(const char *name, const char *guid, Memory memory, Logger logger, Environment environment,
+/* An instance with this name and GUID; NULL, and an error is logged, if something is wrong. `error`: what is wrong
+ * besides name and GUID, or NULL; `refusal_status`: as for instance_new. */
+static Instance *instantiate(const char *name, const char *guid, Memory memory, Logger logger, Environment environment,
                          Status refusal_status, const char *error, const char *call) {
     const char *instance_name = name ? name : "";
     size_t size = sizeof(Importer) + strlen(instance_name) + 1;
-    Unit *c = unit_new(size, memory, logger ? pass_to_importer : NULL, refusal_status);
+    Instance *c = instance_new(size, memory, logger ? pass_to_importer : NULL, refusal_status);
     if (!c) return NULL;
-    Importer *importer = unit_importer_data(c);
+    Importer *importer = instance_importer_data(c);
     importer->logger = logger;
     importer->environment = environment;
     memcpy(importer->name, instance_name, strlen(instance_name) + 1);
-    if (!*instance_name) unit_report(c, UNIT_ERROR, "%s: the instance needs a name", call);
-    else if (error) unit_report(c, UNIT_ERROR, "%s: %s", call, error);
-    else if (!guid || strcmp(guid, unit_guid()))
-        unit_report(c, UNIT_ERROR, "%s: the GUID is not that of this unit, %s", call, unit_guid());
+    if (!*instance_name) instance_report(c, STATUS_ERROR, "%s: the instance needs a name", call);
+    else if (error) instance_report(c, STATUS_ERROR, "%s: %s", call, error);
+    else if (!guid || strcmp(guid, instance_guid()))
+        instance_report(c, STATUS_ERROR, "%s: the GUID is not that of this unit, %s", call, instance_guid());
     else {
-        unit_reset(c);
+        instance_reset(c);
         return c;
     }
-    unit_free(c);
+    instance_free(c);
     return NULL;
 }
 
-/* The categories of these names, as a set for unit_set_categories; without names, all. */
-static Status find_categories(const Unit *c, size_t n, const char *const names[], int *categories, const char *call) {
+/* The categories of these names, as a set for instance_set_categories; without names, all. */
+static Status find_categories(const Instance *c, size_t n, const char *const names[], int *categories,
+                              const char *call) {
     *categories = n ? LOG_NOTHING : LOG_ALL;
-    if (n && !unit_check_pointer(c, names, call)) return UNIT_ERROR;
+    if (n && !instance_check_pointer(c, names, call)) return STATUS_ERROR;
     for (size_t k = 0; k < n; k++) {
         int category = names[k] && !strcmp(names[k], "logAll") ? LOG_ALL : LOG_NOTHING;
         for (int i = 0; i < 3; i++)
             if (names[k] && !strcmp(names[k], category_name(i))) category |= LOG_WARNING << i;
-        if (!category) return unit_report(c, UNIT_ERROR, "%s: the categories are " CATEGORIES, call);
+        if (!category) return instance_report(c, STATUS_ERROR, "%s: the categories are " CATEGORIES, call);
         *categories |= category;
     }
-    return UNIT_OK;
+    return STATUS_OK;
 }
 
 /* Refuses value references of a type that no variable has; an empty list is accepted. */
-static Status refuse_type(const Unit *c, const char *type, int modes, const uint32_t r[], size_t n, const char *call) {
-    if (!unit_check_mode(c, modes, call)) return UNIT_ERROR;
-    return n ? unit_report(c, UNIT_ERROR, "no %s has the value reference %d", type, (int64_t)(r ? *r : 0)) : UNIT_OK;
+static Status refuse_type(const Instance *c, const char *type, int modes, const uint32_t r[], size_t n,
+                          const char *call) {
+    if (!instance_check_mode(c, modes, call)) return STATUS_ERROR;
+    return n ? instance_report(c, STATUS_ERROR, "no %s has the value reference %d", type, (int64_t)(r ? *r : 0))
+             : STATUS_OK;
 }
 
-static Status refuse_call(const Unit *c, const char *call) {
-    return c ? unit_report(c, UNIT_ERROR, "%s is not offered by this co-simulation unit", call) : UNIT_ERROR;
+static Status refuse_call(const Instance *c, const char *call) {
+    return c ? instance_report(c, STATUS_ERROR, "%s is not offered by this co-simulation unit", call) : STATUS_ERROR;
 }

@@ -22,7 +22,7 @@ from .platforms import ROWS, Platform
 FOLDER = Path(__file__).parent
 FREESTANDING = FOLDER / "freestanding"  # what replaces a C library
 OF_A_BLOCK = ("block.c", "block.h")
-OF_A_UNIT = "unit"  # so begin unit.c and its parts, one of which includes model.h
+OF_AN_INSTANCE = "instance"  # so begin instance.c and its parts, one of which includes model.h
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
@@ -108,9 +108,9 @@ class Compilation:
 def locate_sources(files: Files, c_names: Iterable[str], work: Path) -> list[str]:
     """The paths of these C files, with their headers next to them.
 
-    zig caches what it has compiled, by path and contents of the source. What is the same in all units is therefore
+    zig caches what it has compiled, by path and contents of the source. What is the same in all instances is therefore
     compiled in its own folder. The rest lies in the user's cache, in a folder named after its contents: the block apart
-    from its unit, since it is the same for both versions of FMI, all units of positions and all causalities. If the
+    from its instance, since it is the same for both versions of FMI, all units of positions and all causalities. If the
     cache cannot be written it lies in `work`."""
     own = {name: text for name, text in files.items() if not is_shared(name)}
     folders: dict[str, Path] = {}
@@ -121,8 +121,8 @@ def locate_sources(files: Files, c_names: Iterable[str], work: Path) -> list[str
 
 
 def is_shared(name: str) -> bool:
-    """Whether a C file or header is the same in all units."""
-    return not name.startswith(OF_A_UNIT) and (FOLDER / name).is_file()
+    """Whether a C file or header is the same in all instances."""
+    return not name.startswith(OF_AN_INSTANCE) and (FOLDER / name).is_file()
 
 
 def _keep(files: Files, other: Path) -> Path:

@@ -1,5 +1,5 @@
 /* The system's memory, for importers that give none. */
-#include "unit.h"
+#include "instance.h"
 
 #ifdef _WIN32
 /* Of kernel32, which every process has. There are several C libraries, and each has memory of its own. */

@@ -1,4 +1,4 @@
-/* What the C of a unit asks of a compiler, and what keeps several units in one program apart. */
+/* What the C of an instance asks of a compiler, and what keeps several instances in one program apart. */
 #ifndef PORTABLE_H
 #define PORTABLE_H
 
@@ -19,57 +19,58 @@
 /* Refuses to compile unless a condition holds. C99 has no assertion for this. */
 #define MUST_HOLD(name, condition) typedef char name[(condition) ? 1 : -1]
 
-/* --- names: FMI's functions get a prefix where several units are linked into one program; the others get it too --- */
+/* --- names: FMI's functions get a prefix where several instances are linked into one program; the others get it too
+ * --- */
 
 #if defined FMI2_FUNCTION_PREFIX
-#define UNIT_PREFIX FMI2_FUNCTION_PREFIX
+#define INSTANCE_PREFIX FMI2_FUNCTION_PREFIX
 #elif defined FMI3_FUNCTION_PREFIX
-#define UNIT_PREFIX FMI3_FUNCTION_PREFIX
+#define INSTANCE_PREFIX FMI3_FUNCTION_PREFIX
 #endif
 
-#ifdef UNIT_PREFIX
+#ifdef INSTANCE_PREFIX
 #define JOINED(prefix, name) prefix##name
 #define OWN(prefix, name) JOINED(prefix, name)
-#define block_initialize OWN(UNIT_PREFIX, block_initialize)
-#define block_start OWN(UNIT_PREFIX, block_start)
-#define block_step OWN(UNIT_PREFIX, block_step)
-#define system_memory OWN(UNIT_PREFIX, system_memory)
-#define unit_check_mode OWN(UNIT_PREFIX, unit_check_mode)
-#define unit_check_pointer OWN(UNIT_PREFIX, unit_check_pointer)
-#define unit_count_out_of_range OWN(UNIT_PREFIX, unit_count_out_of_range)
-#define unit_deserialize OWN(UNIT_PREFIX, unit_deserialize)
-#define unit_enter_initialization OWN(UNIT_PREFIX, unit_enter_initialization)
-#define unit_exit_initialization OWN(UNIT_PREFIX, unit_exit_initialization)
-#define unit_free OWN(UNIT_PREFIX, unit_free)
-#define unit_free_state OWN(UNIT_PREFIX, unit_free_state)
-#define unit_get_booleans OWN(UNIT_PREFIX, unit_get_booleans)
-#define unit_get_enumerations OWN(UNIT_PREFIX, unit_get_enumerations)
-#define unit_get_flags OWN(UNIT_PREFIX, unit_get_flags)
-#define unit_get_integers OWN(UNIT_PREFIX, unit_get_integers)
-#define unit_get_output_derivatives OWN(UNIT_PREFIX, unit_get_output_derivatives)
-#define unit_get_reals OWN(UNIT_PREFIX, unit_get_reals)
-#define unit_guid OWN(UNIT_PREFIX, unit_guid)
-#define unit_importer_data OWN(UNIT_PREFIX, unit_importer_data)
-#define unit_memory OWN(UNIT_PREFIX, unit_memory)
-#define unit_mode OWN(UNIT_PREFIX, unit_mode)
-#define unit_new OWN(UNIT_PREFIX, unit_new)
-#define unit_report OWN(UNIT_PREFIX, unit_report)
-#define unit_reset OWN(UNIT_PREFIX, unit_reset)
-#define unit_restore OWN(UNIT_PREFIX, unit_restore)
-#define unit_save OWN(UNIT_PREFIX, unit_save)
-#define unit_serialize OWN(UNIT_PREFIX, unit_serialize)
-#define unit_serialized_size OWN(UNIT_PREFIX, unit_serialized_size)
-#define unit_set_booleans OWN(UNIT_PREFIX, unit_set_booleans)
-#define unit_set_categories OWN(UNIT_PREFIX, unit_set_categories)
-#define unit_set_enumerations OWN(UNIT_PREFIX, unit_set_enumerations)
-#define unit_set_flags OWN(UNIT_PREFIX, unit_set_flags)
-#define unit_set_input_derivatives OWN(UNIT_PREFIX, unit_set_input_derivatives)
-#define unit_set_integers OWN(UNIT_PREFIX, unit_set_integers)
-#define unit_set_reals OWN(UNIT_PREFIX, unit_set_reals)
-#define unit_set_times OWN(UNIT_PREFIX, unit_set_times)
-#define unit_step OWN(UNIT_PREFIX, unit_step)
-#define unit_terminate OWN(UNIT_PREFIX, unit_terminate)
-#define unit_time OWN(UNIT_PREFIX, unit_time)
+#define block_initialize OWN(INSTANCE_PREFIX, block_initialize)
+#define block_start OWN(INSTANCE_PREFIX, block_start)
+#define block_step OWN(INSTANCE_PREFIX, block_step)
+#define system_memory OWN(INSTANCE_PREFIX, system_memory)
+#define instance_check_mode OWN(INSTANCE_PREFIX, instance_check_mode)
+#define instance_check_pointer OWN(INSTANCE_PREFIX, instance_check_pointer)
+#define instance_count_out_of_range OWN(INSTANCE_PREFIX, instance_count_out_of_range)
+#define instance_deserialize OWN(INSTANCE_PREFIX, instance_deserialize)
+#define instance_enter_initialization OWN(INSTANCE_PREFIX, instance_enter_initialization)
+#define instance_exit_initialization OWN(INSTANCE_PREFIX, instance_exit_initialization)
+#define instance_free OWN(INSTANCE_PREFIX, instance_free)
+#define instance_free_state OWN(INSTANCE_PREFIX, instance_free_state)
+#define instance_get_booleans OWN(INSTANCE_PREFIX, instance_get_booleans)
+#define instance_get_enumerations OWN(INSTANCE_PREFIX, instance_get_enumerations)
+#define instance_get_flags OWN(INSTANCE_PREFIX, instance_get_flags)
+#define instance_get_integers OWN(INSTANCE_PREFIX, instance_get_integers)
+#define instance_get_output_derivatives OWN(INSTANCE_PREFIX, instance_get_output_derivatives)
+#define instance_get_reals OWN(INSTANCE_PREFIX, instance_get_reals)
+#define instance_guid OWN(INSTANCE_PREFIX, instance_guid)
+#define instance_importer_data OWN(INSTANCE_PREFIX, instance_importer_data)
+#define instance_memory OWN(INSTANCE_PREFIX, instance_memory)
+#define instance_mode OWN(INSTANCE_PREFIX, instance_mode)
+#define instance_new OWN(INSTANCE_PREFIX, instance_new)
+#define instance_report OWN(INSTANCE_PREFIX, instance_report)
+#define instance_reset OWN(INSTANCE_PREFIX, instance_reset)
+#define instance_restore OWN(INSTANCE_PREFIX, instance_restore)
+#define instance_save OWN(INSTANCE_PREFIX, instance_save)
+#define instance_serialize OWN(INSTANCE_PREFIX, instance_serialize)
+#define instance_serialized_size OWN(INSTANCE_PREFIX, instance_serialized_size)
+#define instance_set_booleans OWN(INSTANCE_PREFIX, instance_set_booleans)
+#define instance_set_categories OWN(INSTANCE_PREFIX, instance_set_categories)
+#define instance_set_enumerations OWN(INSTANCE_PREFIX, instance_set_enumerations)
+#define instance_set_flags OWN(INSTANCE_PREFIX, instance_set_flags)
+#define instance_set_input_derivatives OWN(INSTANCE_PREFIX, instance_set_input_derivatives)
+#define instance_set_integers OWN(INSTANCE_PREFIX, instance_set_integers)
+#define instance_set_reals OWN(INSTANCE_PREFIX, instance_set_reals)
+#define instance_set_times OWN(INSTANCE_PREFIX, instance_set_times)
+#define instance_step OWN(INSTANCE_PREFIX, instance_step)
+#define instance_terminate OWN(INSTANCE_PREFIX, instance_terminate)
+#define instance_time OWN(INSTANCE_PREFIX, instance_time)
 #endif
 
 #endif

@@ -11,7 +11,7 @@ class MarkQueue:
     """The positions of cuts, unwrapped positions of the master, u; and the last mark.
 
     Attributes:
-        first, waiting: where the queue starts in the ring, and how long it is.
+        first, waiting: where the queue starts in the array, and how long it is.
         positions: where each cut passes slave position 0.
         has_last: there has been a mark since the start, at `last`.
         last: the master's position at the last mark, or the position where it was expected.
@@ -22,7 +22,7 @@ class MarkQueue:
 
     first: int = var.count(CAPACITY - 1)
     waiting: int = var.count(CAPACITY)
-    positions: list[float] = var.ring(CAPACITY)
+    positions: list[float] = var.array(CAPACITY)
     has_last: bool = False
     last: float = 0.0
     missing: int = var.count(MOST)

@@ -19,9 +19,9 @@ class OrderQueue:
 
     first: int = 0
     waiting: int = var.count(CAPACITY)
-    lengths: list[float] = var.ring(CAPACITY)
-    quantities: list[float] = var.ring(CAPACITY)
-    remaining: list[float] = var.ring(CAPACITY)
+    lengths: list[float] = var.array(CAPACITY)
+    quantities: list[float] = var.array(CAPACITY)
+    remaining: list[float] = var.array(CAPACITY)
     has_changed: bool = True
 
     def is_full(self) -> bool:

@@ -46,7 +46,7 @@ class ConstantVelocity:
     far: float = 0.0
     rise_limit: float = 0.0
     fall_limit: float = 0.0
-    cuts: list[float] = var.ring(16)
+    cuts: list[float] = var.array(16)
     cut_count: int = 0
 
     def try_solve(self) -> bool:

@@ -59,13 +59,13 @@ class Extremes:
     acceleration_effective: float = 0.0
     polynomial: Polynomial = var.part(Polynomial)
     rows: int = 0
-    shares: list[float] = var.ring(48)
-    kinds: list[float] = var.ring(48)
-    times: list[float] = var.ring(48)
-    positions: list[float] = var.ring(48)
-    velocities: list[float] = var.ring(48)
-    accelerations: list[float] = var.ring(48)
-    jerks: list[float] = var.ring(48)
+    shares: list[float] = var.array(48)
+    kinds: list[float] = var.array(48)
+    times: list[float] = var.array(48)
+    positions: list[float] = var.array(48)
+    velocities: list[float] = var.array(48)
+    accelerations: list[float] = var.array(48)
+    jerks: list[float] = var.array(48)
 
     def measure(self, profile: Profile) -> None:
         """Find all values except those of `integrate`, for a profile with at least one segment."""

@@ -42,10 +42,10 @@ class Profile:
     segments: int = 0
     origin: float = 0.0
     next_position: float = 0.0
-    start_times: list[float] = var.ring(9)
-    durations: list[float] = var.ring(8)
-    rates: list[float] = var.ring(8)
-    coefficients: list[float] = var.ring(48)
+    start_times: list[float] = var.array(9)
+    durations: list[float] = var.array(8)
+    rates: list[float] = var.array(8)
+    coefficients: list[float] = var.array(48)
 
     def start(self, kind: ProfileKind, origin: float) -> None:
         """Remove all segments; the first new one starts at the position `origin`, u, at the nominal time 0."""

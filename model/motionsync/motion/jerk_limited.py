@@ -28,11 +28,11 @@ class Motion:
     """
 
     segments: int = 1
-    start_times: list[float] = var.ring(9)
-    positions: list[float] = var.ring(9)
-    velocities: list[float] = var.ring(9)
-    accelerations: list[float] = var.ring(9)
-    jerks: list[float] = var.ring(9)
+    start_times: list[float] = var.array(9)
+    positions: list[float] = var.array(9)
+    velocities: list[float] = var.array(9)
+    accelerations: list[float] = var.array(9)
+    jerks: list[float] = var.array(9)
     clock: Clock = var.part(Clock)
 
     def start(self, position: float, velocity: float, acceleration: float) -> None:

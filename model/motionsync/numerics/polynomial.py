@@ -24,10 +24,10 @@ class Polynomial:
     """
 
     degree: int = 0
-    coefficients: list[float] = var.ring(7)
+    coefficients: list[float] = var.array(7)
     root_count: int = 0
-    roots: list[float] = var.ring(6)
-    chain: list[float] = var.ring(49)
+    roots: list[float] = var.array(6)
+    chain: list[float] = var.array(49)
     leading: int = 0
 
     def differentiate(self) -> None:

@@ -23,7 +23,7 @@ class BeatHistory:
     count: int = 0
     mean: float = 0.0
     has_changed: bool = False
-    distances: list[float] = var.ring(MOST_PERIODS)
+    distances: list[float] = var.array(MOST_PERIODS)
 
     def start(self) -> None:
         self.forget()

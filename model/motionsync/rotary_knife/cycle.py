@@ -70,7 +70,7 @@ class Cycle:
 
     sections: int = var.count(CAPACITY, 1)
     present: int = var.count(CAPACITY - 1)
-    rows: list[float] = var.ring(104)
+    rows: list[float] = var.array(104)
     stage: Stage = Stage.RESTING
     begin: float = 0.0
     next_begin: float = 0.0

@@ -16,7 +16,7 @@ class Planner:
 
     motion: Motion = var.part(Motion)
     kind: int = 0
-    given: list[float] = var.ring(8)
+    given: list[float] = var.array(8)
     steps: int = 1
     reached: bool = False
     end: float = 0.0

@@ -123,7 +123,7 @@ class ModuleRules(ExpressionRules):
                 self.flag(item, "a series is made by var.series()")
         elif self.package.is_object(kind):
             if call is None or (kind != "list" and kind not in [self.meaning(argument) for argument in call.args[:1]]):
-                self.flag(item, "an object or list is made with its owner: var.part(Class), var.ring(length)")
+                self.flag(item, "an object or list is made with its owner: var.part(Class), var.array(length)")
         else:
             first = start if call is None else call.args[0] if call.args else None
             start_kind = self.flag(item, "a field has a start value") if first is None else self.value_kind(first)

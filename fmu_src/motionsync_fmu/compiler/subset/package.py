@@ -284,7 +284,7 @@ class Package:
         return next(own, self.find_method(base, name) if base else None)
 
     def list_length(self, owner: ast.ClassDef, name: str) -> int:
-        """The length of a list that is a field, made by `var.ring(length)`."""
+        """The length of a list that is a field, made by `var.array(length)`."""
         _, declaring, item = self.all_fields(owner)[name]
         call = item.value
         argument = call.args[0] if isinstance(call, ast.Call) and call.args else None

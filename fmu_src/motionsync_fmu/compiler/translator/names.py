@@ -15,7 +15,7 @@ KEYWORDS = (
 )
 LIBRARY = (
     "sqrt floor rint fmod fabs INFINITY NAN HUGE_VAL DBL_MAX DOMAIN OVERFLOW UNDERFLOW SING int32_t int64_t size_t "
-    "Block START block_start block_initialize block_step failed UNIT_PREFIX JOINED OWN MUST_HOLD APART"
+    "Block START block_start block_initialize block_step failed INSTANCE_PREFIX JOINED OWN MUST_HOLD APART"
 )
 RESERVED = frozenset([*KEYWORDS.split(), *LIBRARY.split(), *HELPERS])
 BASE = "base"  # the member of a derived struct that holds what it derives from

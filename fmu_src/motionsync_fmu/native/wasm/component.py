@@ -14,7 +14,7 @@ from ..libraries import locate_sources, zig_cc
 from ..platforms import WASM
 
 FOLDER = Path(__file__).parent
-COMPILED = ("wit.c", "unit.c", "block.c")  # wit.c includes fmi3.c
+COMPILED = ("wit.c", "instance.c", "block.c")  # wit.c includes fmi3.c
 CORE_MODULE = 1  # the kind of section
 TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
 FLAGS = (

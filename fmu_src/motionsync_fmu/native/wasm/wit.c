@@ -15,7 +15,7 @@ typedef struct {
 
 OUT("_initialize") void initialize_nothing(void) {} /* a C library would have to be initialized here; there is none */
 
-/* --- memory: only a unit and its states live longer than a call, so that released blocks are soon used again --- */
+/* --- memory: only an instance and its states live longer than a call, so that released blocks are soon used again --- */
 
 typedef struct MemoryBlock {
     struct MemoryBlock *next; /* of the free blocks */
@@ -76,7 +76,7 @@ static void release_after_call(void) {
     }
 }
 
-/* --- messages: the environment of a unit is its name --- */
+/* --- messages: the environment of an instance is its name --- */
 
 IN("fmi:fmi3/callbacks@3.0.0", "log-message")
 void host_log(const char *name, size_t nName, int32_t status, const char *category, size_t nCategory, const char *text,
@@ -118,7 +118,7 @@ static char *to_c_string(const char *bytes, size_t length) { /* with a zero at i
 #define METHOD(Result, id, name)                                                            \
     OUT("cabi_post_" INSTANCE name) void post_##id(Result result) { release_after_call(); } \
     OUT(INSTANCE name) Result wit_##id
-#define STATUS(name, function) METHOD(int32_t, function, name)(Unit *c) { return function(c); }
+#define STATUS(name, function) METHOD(int32_t, function, name)(Instance *c) { return function(c); }
 
 /* --- life --- */
 
@@ -129,7 +129,7 @@ OUT("fmi:fmi3/common@3.0.0#get-version") String *wit_version(void) {
 }
 OUT("cabi_post_fmi:fmi3/common@3.0.0#get-version") void post_version(String *x) { release_after_call(); }
 
-IN("[export]" INTERFACE, "[resource-new]co-simulation-instance") int32_t handle_of(Unit *c);
+IN("[export]" INTERFACE, "[resource-new]co-simulation-instance") int32_t handle_of(Instance *c);
 
 OUT(INTERFACE "#[static]co-simulation-instance.instantiate-co-simulation")
 void *wit_instantiate(char *name, size_t nName, char *token, size_t nToken, char *resources, size_t nResources,
@@ -140,12 +140,12 @@ void *wit_instantiate(char *name, size_t nName, char *token, size_t nToken, char
         int32_t handle;
     } result;
     char *instance_name = to_c_string(name, nName);
-    Unit *c = fmi3InstantiateCoSimulation(instance_name, to_c_string(token, nToken), to_c_string(resources, nResources),
+    Instance *c = fmi3InstantiateCoSimulation(instance_name, to_c_string(token, nToken), to_c_string(resources, nResources),
                                           visible, logging, event, early, intermediate, nIntermediate, instance_name,
                                           log_to_host, NULL);
     if (c) {
-        Importer *importer = unit_importer_data(c);
-        importer->environment = importer->name; /* which lives as long as the unit */
+        Importer *importer = instance_importer_data(c);
+        importer->environment = importer->name; /* which lives as long as the instance */
         result.handle = handle_of(c);
     }
     result.some = c != NULL;
@@ -154,15 +154,15 @@ void *wit_instantiate(char *name, size_t nName, char *token, size_t nToken, char
 OUT("cabi_post_" INTERFACE "#[static]co-simulation-instance.instantiate-co-simulation")
 void post_instantiate(void *x) { release_after_call(); }
 
-OUT(INTERFACE "#[dtor]co-simulation-instance") void wit_free(Unit *c) { fmi3FreeInstance(c); }
+OUT(INTERFACE "#[dtor]co-simulation-instance") void wit_free(Instance *c) { fmi3FreeInstance(c); }
 
-METHOD(int32_t, logging, "set-debug-logging")(Unit *c, int32_t on, String *categories, size_t n) {
+METHOD(int32_t, logging, "set-debug-logging")(Instance *c, int32_t on, String *categories, size_t n) {
     const char **names = allocate_for_call(NULL, 0, 4, n * sizeof *names);
     for (size_t i = 0; i < n; i++) names[i] = to_c_string(categories[i].bytes, categories[i].length);
     return fmi3SetDebugLogging(c, on, n, names);
 }
 
-METHOD(int32_t, enter, "enter-initialization-mode")(Unit *c, int32_t hasTolerance, double tolerance, double start,
+METHOD(int32_t, enter, "enter-initialization-mode")(Instance *c, int32_t hasTolerance, double tolerance, double start,
                                                     int32_t hasStop, double stop) {
     return fmi3EnterInitializationMode(c, hasTolerance, tolerance, start, hasStop, stop);
 }
@@ -175,7 +175,7 @@ STATUS("evaluate-discrete-states", fmi3EvaluateDiscreteStates)
 STATUS("terminate", fmi3Terminate)
 STATUS("reset", fmi3Reset)
 
-METHOD(void *, step, "do-step")(Unit *c, double t, double h, int32_t noSetFMUStatePriorToCurrentPoint) {
+METHOD(void *, step, "do-step")(Instance *c, double t, double h, int32_t noSetFMUStatePriorToCurrentPoint) {
     static struct {
         uint8_t failed;
         struct {
@@ -195,11 +195,11 @@ METHOD(void *, step, "do-step")(Unit *c, double t, double h, int32_t noSetFMUSta
 /* --- values --- */
 
 #define VALUES(name, Type, Value)                                                                  \
-    METHOD(void *, get_##Type, "get-" name)(Unit *c, uint32_t *r, size_t n) {                      \
+    METHOD(void *, get_##Type, "get-" name)(Instance *c, uint32_t *r, size_t n) {                      \
         Value *values = allocate_for_call(NULL, 0, sizeof(Value), n * sizeof(Value));              \
         return list_result(fmi3Get##Type(c, r, n, values, n), values, n);                          \
     }                                                                                              \
-    METHOD(int32_t, set_##Type, "set-" name)(Unit *c, uint32_t *r, size_t n, Value *x, size_t m) { \
+    METHOD(int32_t, set_##Type, "set-" name)(Instance *c, uint32_t *r, size_t n, Value *x, size_t m) { \
         return fmi3Set##Type(c, r, n, x, m);                                                       \
     }
 VALUES("float64", Float64, double)
@@ -216,7 +216,7 @@ VALUES("boolean", Boolean, bool)
 
 /* --- the FMU state, always as bytes --- */
 
-METHOD(void *, get_state, "get-fmu-state")(Unit *c) {
+METHOD(void *, get_state, "get-fmu-state")(Instance *c) {
     fmi3FMUState state = NULL;
     void *bytes = NULL;
     size_t n = 0;
@@ -227,7 +227,7 @@ METHOD(void *, get_state, "get-fmu-state")(Unit *c) {
     return list_result(status, bytes, n);
 }
 
-METHOD(int32_t, set_state, "set-fmu-state")(Unit *c, uint8_t *bytes, size_t n) {
+METHOD(int32_t, set_state, "set-fmu-state")(Instance *c, uint8_t *bytes, size_t n) {
     fmi3FMUState state = NULL;
     fmi3Status status = fmi3DeserializeFMUState(c, bytes, n, &state);
     if (status <= fmi3Warning) status = fmi3SetFMUState(c, state);
@@ -235,7 +235,7 @@ METHOD(int32_t, set_state, "set-fmu-state")(Unit *c, uint8_t *bytes, size_t n) {
     return status;
 }
 
-METHOD(void *, derivatives, "get-output-derivatives")(Unit *c, uint32_t (*queries)[2], size_t n) {
+METHOD(void *, derivatives, "get-output-derivatives")(Instance *c, uint32_t (*queries)[2], size_t n) {
     uint32_t *r = allocate_for_call(NULL, 0, 4, n * 4);
     int32_t *orders = allocate_for_call(NULL, 0, 4, n * 4);
     double *values = allocate_for_call(NULL, 0, 8, n * 8);
@@ -246,7 +246,7 @@ METHOD(void *, derivatives, "get-output-derivatives")(Unit *c, uint32_t (*querie
 /* --- not offered; a result's status is behind its first byte, at the alignment of the value that it would have held --- */
 
 /* `at`: the index of the status in the result. */
-static void *refused_result(Unit *c, const char *call, size_t at) {
+static void *refused_result(Instance *c, const char *call, size_t at) {
     static uint64_t result[4];
     memset(result, 0, sizeof result);
     *(uint8_t *)result = 1;
@@ -254,9 +254,9 @@ static void *refused_result(Unit *c, const char *call, size_t at) {
     return result;
 }
 #define REFUSED_RESULT(id, name, at, ...) \
-    METHOD(void *, id, name)(Unit *c, ##__VA_ARGS__) { return refused_result(c, name, at); }
+    METHOD(void *, id, name)(Instance *c, ##__VA_ARGS__) { return refused_result(c, name, at); }
 #define REFUSED_STATUS(id, name, ...) \
-    METHOD(int32_t, id, name)(Unit *c, ##__VA_ARGS__) { return refuse_call(c, name); }
+    METHOD(int32_t, id, name)(Instance *c, ##__VA_ARGS__) { return refuse_call(c, name); }
 #define LIST(x) void *x, size_t n##x
 REFUSED_RESULT(update, "update-discrete-states", 8)
 REFUSED_RESULT(get_string, "get-string", 4, LIST(r))

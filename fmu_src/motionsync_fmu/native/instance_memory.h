@@ -1,8 +1,8 @@
-/* Part of unit.c: the tables of a block's variables, the memory of an instance, and single values in it. */
-#ifndef UNIT_MEMORY_H
-#define UNIT_MEMORY_H
+/* Part of instance.c: the tables of a block's variables, the memory of an instance, and single values in it. */
+#ifndef INSTANCE_MEMORY_H
+#define INSTANCE_MEMORY_H
 
-#include "unit.h"
+#include "instance.h"
 #include "heat.h"
 #include <math.h>
 #include <string.h>
@@ -92,14 +92,15 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
 } State;
 
 MUST_HOLD(the_time_is_before_the_model, offsetof(State, model) + TIME_OFFSET == offsetof(State, time));
-MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model) + (EPISODES + 1) * 40);
+MUST_HOLD(a_state_has_no_gaps,
+          sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model) + (EPISODES + 1) * 40);
 
 typedef struct { /* the inputs that a step replaces where derivatives of the master's position are given for it */
     double values[2]; /* the master's velocity and acceleration */
     int64_t mode;
 } ReplacedInputs;
 
-struct Unit {
+struct Instance {
     State now;
     int out_of_range; /* the number of checked Reals outside their ranges; a step needs 0 */
     int64_t codes[sizeof CODED / sizeof *CODED]; /* after the last step */
@@ -109,24 +110,24 @@ struct Unit {
     Status refusal_status; /* what a refused step answers */
     Memory memory;
     LogFunction *log;
-    void *importer[]; /* of the size given to unit_new, aligned for pointers */
+    void *importer[]; /* of the size given to instance_new, aligned for pointers */
 };
 
 /* --- one value --- */
 
-static inline void *address_of(Unit *u, const Variable *v) {
-    return (uint8_t *)&u->now + (offsetof(State, model) + v->offset);
+static inline void *address_of(Instance *self, const Variable *v) {
+    return (uint8_t *)&self->now + (offsetof(State, model) + v->offset);
 }
-static inline double *real_at(Unit *u, int variable) { return address_of(u, VARIABLES + variable); }
-static inline int64_t *integer_at(Unit *u, int variable) { return address_of(u, VARIABLES + variable); }
-static inline const void *value_at(const Unit *u, const Variable *v) { return address_of((Unit *)u, v); }
+static inline double *real_at(Instance *self, int variable) { return address_of(self, VARIABLES + variable); }
+static inline int64_t *integer_at(Instance *self, int variable) { return address_of(self, VARIABLES + variable); }
+static inline const void *value_at(const Instance *self, const Variable *v) { return address_of((Instance *)self, v); }
 
 /* A value as a number; that of a Boolean is 0 or 1. */
-COLD static double number_of(const Unit *u, const Variable *v) {
+COLD static double number_of(const Instance *self, const Variable *v) {
     switch (v->kind) {
-    case REAL: return *(const double *)value_at(u, v);
-    case BOOLEAN: return *(const uint8_t *)value_at(u, v);
-    default: return (double)*(const int64_t *)value_at(u, v);
+    case REAL: return *(const double *)value_at(self, v);
+    case BOOLEAN: return *(const uint8_t *)value_at(self, v);
+    default: return (double)*(const int64_t *)value_at(self, v);
     }
 }
 

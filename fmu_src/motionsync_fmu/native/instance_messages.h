@@ -1,8 +1,9 @@
-/* Part of unit.c: messages for the importer. None has a percent sign, since many importers use the text as a format. */
-#ifndef UNIT_MESSAGES_H
-#define UNIT_MESSAGES_H
+/* Part of instance.c: messages for the importer. None has a percent sign, since many importers use the text as a
+ * format. */
+#ifndef INSTANCE_MESSAGES_H
+#define INSTANCE_MESSAGES_H
 
-#include "unit_memory.h"
+#include "instance_memory.h"
 #include "decimal.h"
 #include <stdarg.h>
 
@@ -37,16 +38,16 @@ COLD static void append_real(Text *text, double x, int digits) {
 }
 
 /* What was set has more digits than what was computed, so that one finds it again. */
-COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
+COLD static void append_value(Text *text, const Instance *self, const Variable *v) {
     append_text(text, name_of(v));
     append_text(text, " = ");
-    if (v->kind == REAL) append_real(text, number_of(u, v), v->modes ? SHOWN_DIGITS : COMPUTED_DIGITS);
-    else if (v->kind == BOOLEAN) append_text(text, number_of(u, v) != 0.0 ? "True" : "False");
-    else append_integer(text, *(const int64_t *)value_at(u, v));
+    if (v->kind == REAL) append_real(text, number_of(self, v), v->modes ? SHOWN_DIGITS : COMPUTED_DIGITS);
+    else if (v->kind == BOOLEAN) append_text(text, number_of(self, v) != 0.0 ? "True" : "False");
+    else append_integer(text, *(const int64_t *)value_at(self, v));
 }
 
-/* A variable by its number; or, with a number from COUNT on, the variable in this group whose name ends with the text at
- * that index, NULL if the group has none. */
+/* A variable by its number; or, with a number from COUNT on, the variable in this group whose name ends with the text
+ * at that index, NULL if the group has none. */
 COLD static const Variable *find_listed_variable(int number, const char *group) {
     if (number < COUNT) return VARIABLES + number;
     const char *name = TEXTS;
@@ -56,29 +57,31 @@ COLD static const Variable *find_listed_variable(int number, const char *group) 
     return NULL;
 }
 
-COLD static void append_values(Text *text, const Unit *u, const int16_t *list, const char *group, const char *before) {
+COLD static void append_values(Text *text, const Instance *self, const int16_t *list, const char *group,
+                               const char *before) {
     for (; *list >= 0; list++) {
         const Variable *v = find_listed_variable(*list, group);
         if (!v) continue;
         append_text(text, before);
-        append_value(text, u, v);
+        append_value(text, self, v);
         before = ", ";
     }
     if (*before == ',') append_text(text, ")");
 }
 
 /* Whether messages of this status reach the importer: if not, no text is made. */
-static bool is_logged(const Unit *u, Status status) {
+static bool is_logged(const Instance *self, Status status) {
     static const Category CATEGORIES[] = {LOG_NOTHING, LOG_WARNING, LOG_DISCARD, LOG_ERROR};
-    return u->log && u->logged_categories & CATEGORIES[status];
+    return self->log && self->logged_categories & CATEGORIES[status];
 }
 
-COLD void unit_set_categories(Unit *u, int categories) { u->logged_categories = categories; }
+COLD void instance_set_categories(Instance *self, int categories) { self->logged_categories = categories; }
 
-/* Besides the conversions in unit.h, %v stands for a variable and its value, %f for a double with few digits, and %l for a
- * list of variables and their values, which the group follows and what comes before the first one: "(" or ",". */
-COLD Status unit_report(const Unit *u, Status status, const char *format, ...) {
-    if (!is_logged(u, status)) return status;
+/* Besides the conversions in instance.h, %v stands for a variable and its value, %f for a double with few digits, and
+ * %l for a list of variables and their values, which the group follows and what comes before the first one: "(" or ",".
+ */
+COLD Status instance_report(const Instance *self, Status status, const char *format, ...) {
+    if (!is_logged(self, status)) return status;
     Text text;
     text.length = 0;
     va_list arguments;
@@ -87,17 +90,17 @@ COLD Status unit_report(const Unit *u, Status status, const char *format, ...) {
         if (*format != '%') append(&text, format, 1);
         else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
         else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
-        else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
+        else if (*format == 'v') append_value(&text, self, va_arg(arguments, const Variable *));
         else if (*format == 'r') append_real(&text, va_arg(arguments, double), SHOWN_DIGITS);
         else if (*format == 'f') append_real(&text, va_arg(arguments, double), COMPUTED_DIGITS);
         else {
             const int16_t *list = va_arg(arguments, const int16_t *);
             const char *group = va_arg(arguments, const char *);
-            append_values(&text, u, list, group, va_arg(arguments, const char *));
+            append_values(&text, self, list, group, va_arg(arguments, const char *));
         }
     }
     va_end(arguments);
-    u->log(u->importer, status, text.bytes);
+    self->log(self->importer, status, text.bytes);
     return status;
 }
 
@@ -110,21 +113,22 @@ COLD static const char *mode_text(int64_t mode) {
     }
 }
 
-COLD bool unit_check_mode(const Unit *u, int modes, const char *call) {
-    if (!u) return false;
-    if (!(u->now.mode & modes))
-        unit_report(u, UNIT_ERROR, "%s is not allowed now: the unit %s", call, mode_text(u->now.mode));
-    return u->now.mode & modes;
+COLD bool instance_check_mode(const Instance *self, int modes, const char *call) {
+    if (!self) return false;
+    if (!(self->now.mode & modes))
+        instance_report(self, STATUS_ERROR, "%s is not allowed now: the unit %s", call, mode_text(self->now.mode));
+    return self->now.mode & modes;
 }
 
-/* The same for the functions that are called most: this one can be inlined, and calls another only to report an error. */
-static inline bool check_mode(const Unit *u, int modes, const char *call) {
-    return (u && u->now.mode & modes) || unit_check_mode(u, modes, call);
+/* The same for the functions that are called most: this one can be inlined, and calls another only to report an error.
+ */
+static inline bool check_mode(const Instance *self, int modes, const char *call) {
+    return (self && self->now.mode & modes) || instance_check_mode(self, modes, call);
 }
 
-COLD bool unit_check_pointer(const Unit *u, const void *pointer, const char *call) {
-    if (u && !pointer) unit_report(u, UNIT_ERROR, "%s: a pointer is missing", call);
-    return u && pointer;
+COLD bool instance_check_pointer(const Instance *self, const void *pointer, const char *call) {
+    if (self && !pointer) instance_report(self, STATUS_ERROR, "%s: a pointer is missing", call);
+    return self && pointer;
 }
 
 #endif

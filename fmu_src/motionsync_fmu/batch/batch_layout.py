@@ -22,7 +22,7 @@ class Cause(IntEnum):
 CAUSE = 0  # the column of a report that has the cause
 
 
-class LoopPlan(Structure):
+class BatchLayout(Structure):
     """What the loop sets and reads in its instances; strides and offsets are in bytes. Its arrays have to outlive it.
 
     Attributes:
