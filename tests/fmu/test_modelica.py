@@ -18,7 +18,7 @@ import pytest
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
-from tests.oracle.servo import Servo
+from tests.oracle.measured_line.servo import Servo
 from tests.support.fmus import Shared, build_for_host
 
 README = (ROOT / "examples/modelica/README.md").read_text("utf-8")

@@ -16,7 +16,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync.motion.jerk_limited import Motion, acceleration_limit, stopping_distance
-from tests.oracle.mp import mpq
+from tests.oracle.numerics.mp import mpq
 from tests.support.compiled import Compiled, equal
 from tests.support.drawn import drawn
 from tests.support.fake_blocks.planner import Planner

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from motionsync.numerics.polynomial import EPSILON, ROUNDING, Polynomial
 from tests.model.flying_saw.fake_blocks import RootFinder
-from tests.oracle.mp import Ratio, mpq
-from tests.oracle.roots import at, roots_inside
+from tests.oracle.numerics.mp import Ratio, mpq
+from tests.oracle.numerics.roots import at, roots_inside
 from tests.support.compiled import Compiled, equal
 from tests.support.drawn import drawn
 

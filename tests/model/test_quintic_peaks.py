@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from motionsync.motion.laws import Quintic
 from motionsync.motion.quintic_peaks import QuinticPeaks
-from tests.oracle import mp
-from tests.oracle.rotary_knife_curves import Quintic as ExactQuintic
+from tests.oracle.numerics import mp
+from tests.oracle.rotary_knife.curves import Quintic as ExactQuintic
 
 values = st.floats(-2.0, 2.0) | st.sampled_from([0.0, 1.0])
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
-from tests.oracle import mp
 from tests.oracle.latest_runs import run_of
 from tests.oracle.master import Motion, Stretch
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a change makes two rows."""

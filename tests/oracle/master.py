@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from tests.oracle import mp
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 
 CLOSE = mp.mpf("1e-35")
 """Relative distance below which two computed positions are the same one."""

@@ -14,9 +14,9 @@ Where the description may be read in two ways, this is the reading:
 - The unwrapped position counts turns from the first step on, whose measurement is taken as it is.
 """
 
-from tests.oracle import mp
 from tests.oracle.master import Motion
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 
 LIMIT = mp.mpf(10) ** 12
 LONGEST_STEP = mp.mpf(10) ** 6

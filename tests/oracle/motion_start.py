@@ -12,11 +12,11 @@ Readings of the specification:
 
 from dataclasses import replace
 
-from tests.oracle import mp
-from tests.oracle.flying_saw_limits import MAX_ACCELERATION, MAX_DECELERATION, MAX_VELOCITY, NONE, AxisData
-from tests.oracle.flying_saw_motion import run, stop
+from tests.oracle.flying_saw.limits import MAX_ACCELERATION, MAX_DECELERATION, MAX_VELOCITY, NONE, AxisData
+from tests.oracle.flying_saw.motion import run, stop
 from tests.oracle.master import Motion
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 
 STANDSTILL = 1e-6
 

@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tests.oracle import mp
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 
 Rows = Callable[[Mapping[str, Any], Sequence[float]], Sequence[Mapping[str, float]]]
 """An oracle's `reference`: the outputs for a script at some times."""

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from tests.oracle import mp
 from tests.oracle.event_run import WINDOW, events_of, rows_of, wrapped_position
 from tests.oracle.master import CLOSE, Motion, Stretch, stretches
-from tests.oracle.mp import Number
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
 from tests.oracle.sets import gathered
 
 COLUMNS = (

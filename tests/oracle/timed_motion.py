@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from tests.oracle import mp
-from tests.oracle.flying_saw_motion import Phases, move, run
+from tests.oracle.flying_saw.motion import Phases, move, run
 from tests.oracle.master import Motion as Exact
+from tests.oracle.numerics import mp
 
 AxisState: TypeAlias = tuple[float, float, float, float]
 """Position, velocity, acceleration and jerk of an axis."""

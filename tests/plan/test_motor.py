@@ -10,7 +10,7 @@ from motionsync_fmu.plan.line_plan import MachinePlan, plan_machine
 from motionsync_fmu.plan.prediction import Prediction
 from motionsync_fmu.plan.reader import read_machines
 from motionsync_fmu.scenario.files.reader import load_scenario
-from tests.oracle import load as oracle
+from tests.oracle.measured_line import load as oracle
 from tests.plan.machines import machine
 from tests.support.command_line import Command, assert_one_line
 from tests.support.recordings import run_compiled

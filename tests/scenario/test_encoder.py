@@ -23,8 +23,8 @@ from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_ste
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
-from tests.oracle import encoder as oracle
-from tests.oracle import mp, splitmix64
+from tests.oracle.measured_line import encoder as oracle
+from tests.oracle.numerics import mp, splitmix64
 from tests.support.recordings import assert_as_in_python
 from tests.support.scenario_texts import ENCODED_SAW, write_scenario
 

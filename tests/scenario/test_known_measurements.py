@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.oracle import load, mp, splitmix64, true_pieces
-from tests.oracle.encoder import Encoder, scripted_line
-from tests.oracle.servo import Servo
-from tests.oracle.true_pieces import TrueCuts
+from tests.oracle.measured_line import load, true_pieces
+from tests.oracle.measured_line.encoder import Encoder, scripted_line
+from tests.oracle.measured_line.servo import Servo
+from tests.oracle.measured_line.true_pieces import TrueCuts
+from tests.oracle.numerics import mp, splitmix64
 
 EXACT = mp.mpf("1e-40")
 PUBLISHED = {  # the first outputs of the published generator, started with these states

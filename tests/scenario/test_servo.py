@@ -18,7 +18,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.servo import CHUNK, Servo
 from tests import ROOT
-from tests.oracle.servo import Servo as Oracle
+from tests.oracle.measured_line.servo import Servo as Oracle
 from tests.support.recordings import assert_as_in_python
 from tests.support.scenario_texts import EVEN_RAMP, FREE_SAW, check_mistake, write_scenario
 

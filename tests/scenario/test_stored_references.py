@@ -10,7 +10,7 @@ import pytest
 
 from motionsync_fmu import paths
 from tests import ROOT, regenerate
-from tests.oracle import mp
+from tests.oracle.numerics import mp
 from tests.support import stored_references
 from tests.support.stored_references import SOURCES, keep
 

@@ -19,8 +19,8 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.servo import Servo
 from tests import ROOT
-from tests.oracle import load as load_oracle
-from tests.oracle import true_pieces as oracle
+from tests.oracle.measured_line import load as load_oracle
+from tests.oracle.measured_line import true_pieces as oracle
 from tests.support.recordings import run_compiled
 from tests.support.scenario_texts import FREE_SAW, write_scenario
 from tests.support.verdicts import checks_of

@@ -23,7 +23,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import AtTime, Scenario
 from motionsync_fmu.scenario.servo import Servo
 from tests import ROOT
-from tests.oracle.servo import Servo as Oracle
+from tests.oracle.measured_line.servo import Servo as Oracle
 
 ROTARY = [name for name in BLOCKS if Recipe(name).variables["slave.position"].period]
 MOST_POINTS = 1200  # of a run that the oracle follows, which computes with many digits

@@ -6,9 +6,9 @@ from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync.var import Block
-from tests.oracle import mp
-from tests.oracle.cut_to_length_carriage import MasterSection
+from tests.oracle.cut_to_length.carriage import MasterSection
 from tests.oracle.master import stretches
+from tests.oracle.numerics import mp
 from tests.support import oracle_runs
 from tests.support.harness import Row
 from tests.support.oracle_runs import Feed, Script, corners

@@ -9,8 +9,8 @@ from typing import Any
 from motionsync.master import MasterInput
 from motionsync.var import Block
 from motionsync_fmu.interface.stepper import Stepper
-from tests.oracle import mp
 from tests.oracle.master import Stretch, stretches
+from tests.oracle.numerics import mp
 from tests.support.harness import Row
 
 CLOSE = 1e-10

@@ -9,7 +9,7 @@ python -m tests.support.recorded_line
 
 from tests import ROOT
 from tests.oracle.master import stretches
-from tests.oracle.splitmix64 import noise_sample
+from tests.oracle.numerics.splitmix64 import noise_sample
 
 FILE = ROOT / "scenarios" / "CutToLength" / "recorded_line" / "trace.csv"
 ROWS, INTERVAL = 6001, 0.01  # s

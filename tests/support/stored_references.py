@@ -20,7 +20,7 @@ from typing import Any
 from motionsync_fmu import paths
 from tests import ROOT
 
-SOURCES = [*sorted((ROOT / "tests" / "oracle").glob("*.py")), ROOT / "tests" / "regenerate.py", Path(__file__)]
+SOURCES = [*sorted((ROOT / "tests" / "oracle").rglob("*.py")), ROOT / "tests" / "regenerate.py", Path(__file__)]
 CACHE_ERRORS = (OSError, RuntimeError)  # the cache cannot be read or written, or there is no folder for it
 MONTH = 30 * 86400.0  # s
 

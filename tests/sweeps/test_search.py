@@ -15,7 +15,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.variation.values import split_setting
 from tests import ROOT
-from tests.oracle.cut_to_length_limits import Saw
+from tests.oracle.cut_to_length.limits import Saw
 from tests.support.drawn import drawn
 from tests.support.scenario_texts import EVEN_RAMP, write_scenario
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from motionsync.flying_saw.extremes import Extremes
 from motionsync.flying_saw.profile import Profile, ProfileKind
 from tests.model.flying_saw.fake_blocks import ProfileMeasurer
-from tests.oracle.mp import Ratio, mpq
-from tests.oracle.roots import Exact, at, derivative, roots_inside
+from tests.oracle.numerics.mp import Ratio, mpq
+from tests.oracle.numerics.roots import Exact, at, derivative, roots_inside
 from tests.support.compiled import Compiled, equal
 from tests.support.drawn import drawn
 

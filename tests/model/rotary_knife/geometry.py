@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import CurvePoint, Window
-from tests.oracle import mp
-from tests.oracle.mp import Number
-from tests.oracle.rotary_knife_curves import Derivatives
-from tests.oracle.rotary_knife_curves import Window as ExactWindow
-from tests.oracle.rotary_knife_limits import HORIZONTAL, TANGENTIAL
-from tests.oracle.rotary_knife_limits import Knife as ExactKnife
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
+from tests.oracle.rotary_knife.curves import Derivatives
+from tests.oracle.rotary_knife.curves import Window as ExactWindow
+from tests.oracle.rotary_knife.limits import HORIZONTAL, TANGENTIAL
+from tests.oracle.rotary_knife.limits import Knife as ExactKnife
 from tests.support.drawn import drawn
 
 repeatable = drawn(60)

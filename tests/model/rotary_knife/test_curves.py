@@ -11,11 +11,11 @@ from motionsync.rotary_knife.curves import FAR_BACK, Section, Way, ramp_travel, 
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window
 from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
-from tests.oracle import mp
-from tests.oracle.rotary_knife_curves import Cut as ExactCut
-from tests.oracle.rotary_knife_curves import Quintic as ExactQuintic
-from tests.oracle.rotary_knife_limits import Way as ExactWay
-from tests.oracle.rotary_knife_limits import ramp_width, turning_margin
+from tests.oracle.numerics import mp
+from tests.oracle.rotary_knife.curves import Cut as ExactCut
+from tests.oracle.rotary_knife.curves import Quintic as ExactQuintic
+from tests.oracle.rotary_knife.limits import Way as ExactWay
+from tests.oracle.rotary_knife.limits import ramp_width, turning_margin
 
 K = 0.6  # ° per mm
 REFERENCE = Knife()

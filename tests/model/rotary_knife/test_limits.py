@@ -14,16 +14,16 @@ from motionsync.rotary_knife.limits import NO_LENGTH, CycleLimit, EarliestCut, L
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window, leaves_way
 from tests.model.rotary_knife.fake_blocks import KnifeGeometry
 from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
-from tests.oracle import mp
-from tests.oracle.mp import Number
-from tests.oracle.rotary_knife_curves import Cut as ExactCut
-from tests.oracle.rotary_knife_limits import (
+from tests.oracle.numerics import mp
+from tests.oracle.numerics.mp import Number
+from tests.oracle.rotary_knife.curves import Cut as ExactCut
+from tests.oracle.rotary_knife.limits import (
     cycle_velocity,
     longest_turning,
     ramp_velocity,
     shortest_way,
 )
-from tests.oracle.rotary_knife_ways import Departure
+from tests.oracle.rotary_knife.ways import Departure
 from tests.support.compiled import Compiled, equal
 from tests.support.drawn import drawn
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import Cut, is_narrow, leaves_way
 from tests.model.rotary_knife.geometry import Case, cases, repeatable, window_of
-from tests.oracle import mp
+from tests.oracle.numerics import mp
 
 K = 0.6  # ° per mm
 

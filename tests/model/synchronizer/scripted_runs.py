@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
-from tests.oracle import mp
 from tests.oracle.master import stretches
+from tests.oracle.numerics import mp
 from tests.oracle.synchronizer import reference
 from tests.support.harness import MOTION, Row
 from tests.support.oracle_runs import Script, find_differences, simulate

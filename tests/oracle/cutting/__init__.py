@@ -1,0 +1,1 @@
+"""What both machines that cut to length are held to."""

@@ -1,0 +1,1 @@
+"""Encoder, servo, load and the pieces that a tape measures."""

@@ -1,0 +1,1 @@
+"""Numbers of 50 digits, roots, and noise."""
