@@ -127,8 +127,7 @@ class PieceMachine(ABC):
         records = self.records
         if records.is_running and records.piece is None:
             records.fix_piece()
-        if records.is_running and records.has_invalid_settings:
-            self.refusal = TUNABLE
+            self.refusal = TUNABLE if records.has_invalid_settings else self.refusal
         if records.is_running:
             records.change_piece(self._can_still_reach)
         if records.are_marks_expected and not self.has_mark_edge:
