@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tests.oracle.event_run import WINDOW, Snapshot, SnapshotRows
-from tests.oracle.flying_saw.commands import Pulse, shown
+from tests.oracle.flying_saw.commands import DONE, Pulse, shown
 from tests.oracle.flying_saw.curves import ZERO
 from tests.oracle.flying_saw.laws import Follow, Law
 from tests.oracle.flying_saw.limits import NONE as WITHIN_LIMITS
@@ -49,6 +49,8 @@ class FlyingSawRows(SnapshotRows[SawSnapshot]):
         outputs = dict(snapshot.outputs)
         state = outputs.pop("coupled_state") or _own_state(v, a)
         for pulse in self._pulses(t, side):
+            if pulse.shows == DONE and outputs[f"{pulse.group}.busy"]:
+                continue  # it was parked in the same step
             synchronizing = outputs["coupled"] != 0 and state != PREPHASE
             outputs |= shown(pulse.group, pulse.shows, pulse.error_id, synchronizing)
         limits = {snapshot.exceeded, by_instant((s, v, a, j), snapshot.axis), self._by_way(t, s, snapshot.axis)}
