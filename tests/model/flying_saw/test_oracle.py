@@ -265,7 +265,7 @@ def test_the_block_is_its_oracle(kind: str, mode: MasterInput) -> None:
 def test_at_the_limits_of_the_axis_the_block_is_its_oracle() -> None:
     """Together the runs exceed every limit; a stop at once has scenarios of its own."""
     met: set[float] = set()
-    for seed in range(81):
+    for seed in range(256):
         script = script_at_the_limits(Random(seed))
         rows = assert_as_the_oracle(script, START, abs(script["master"]["velocity"]))
         met |= {row["local.exceeded_limit"] for row in rows}
