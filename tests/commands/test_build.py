@@ -12,8 +12,8 @@ from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
-from tests.support.command_line import Command, assert_one_line
-from tests.support.workshop import FLAVOURS, PYTHON, STOP, description, scenario, start_value, the_fmu
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import FLAVOURS, PYTHON, STOP, description, scenario, start_value, the_fmu
 
 NATIVE = ("--flavour", "native", "--output", "made")
 

@@ -16,8 +16,8 @@ from motionsync_fmu import __version__
 from motionsync_fmu.commands import app as command_line
 from motionsync_fmu.pages.console import PlainConsole
 from tests import ROOT
-from tests.support.command_line import Command, assert_one_line
-from tests.support.workshop import STOP, process, scenario, without_progress
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import STOP, process, scenario, without_progress
 
 COMMANDS = tuple(command_line.COMMANDS)
 

@@ -9,8 +9,8 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages import console
-from tests.support.command_line import Command, assert_one_line
-from tests.support.workshop import PYTHON, the_fmu
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import PYTHON, the_fmu
 
 
 @pytest.mark.parametrize(("unit", "velocity"), [("mm", "mm/s"), ("deg", "deg/s"), ("1", "1/s")])

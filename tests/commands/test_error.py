@@ -8,7 +8,7 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import members
-from tests.support.command_line import Command, assert_one_line
+from tests.support.project.command_line import Command, assert_one_line
 
 
 @pytest.mark.parametrize(

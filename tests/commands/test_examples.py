@@ -14,9 +14,9 @@ from motionsync_fmu.commands.app import COMMANDS
 from motionsync_fmu.fmus.fmu import BuildOptions, Flavour, Fmi, start_build
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
-from tests.support.command_line import Command
-from tests.support.examples import PAGES, help_of, shown_commands
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command
+from tests.support.scenarios.examples import PAGES, help_of, shown_commands
 
 SHOW_A_FAILURE = (  # what the page says of them
     ["run", "saw/scenario.toml", "--set", "length=300"],

@@ -9,9 +9,9 @@ from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.fmus.prebuilt import Report, silent
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
-from tests.support.command_line import Command
-from tests.support.explored import Explored, explored
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command
+from tests.support.scenarios.explored import Explored, explored
 
 FIRST = "Synchronizer/polynomial"
 

@@ -10,9 +10,9 @@ import pytest
 from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour, fmu_path, start_build, why_outdated
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import OF_VERSION, host_platform
-from tests.support.command_line import Command, assert_one_line
-from tests.support.fmus import Fmus
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.validation import faults_by_fmpy
+from tests.support.project.command_line import Command, assert_one_line
 
 FMU = Path("build/fmi3/Synchronizer.fmu")
 

@@ -12,7 +12,7 @@ from typing import Any
 import psutil
 import pytest
 
-from tests.support.workshop import STOP, scenario
+from tests.support.project.workshop import STOP, scenario
 
 # A shell that runs the tests in its background has switched the signal off.
 LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"

@@ -10,9 +10,9 @@ import pytest
 from motionsync_fmu import cli
 from motionsync_fmu.production_line.reader import load_line
 from motionsync_fmu.production_line.variants import RAW
-from tests.support.command_line import Command
-from tests.support.fmus import Fmus, Shared
-from tests.support.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, replaced
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.project.command_line import Command
+from tests.support.scenarios.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, replaced
 
 SHORT = (  # a clock that is 3000 ppm fast: a beat each 0.67 s
     ("stop_time = 25.0", "stop_time = 5.1"),

@@ -8,8 +8,8 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.variables import summary
 from tests import ROOT
-from tests.support.command_line import Command
-from tests.support.workshop import STOP, scenario
+from tests.support.project.command_line import Command
+from tests.support.project.workshop import STOP, scenario
 
 
 @pytest.mark.all_blocks

@@ -13,9 +13,9 @@ from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.scenario.files.new_scenario import figures
 from motionsync_fmu.sweeps.rows import rows
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
-from tests.support.command_line import Command, assert_one_line
-from tests.support.fmus import Fmus
-from tests.support.workshop import PYTHON
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import PYTHON
 
 TUBE = ("--length", "6000", "--line-speed", "40 m/min", "--stroke", "5000", "--max-velocity", "2000")
 TUBE += ("--max-acceleration", "4000", "--cut-time", "2 s")

@@ -17,8 +17,8 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu import new
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording
-from tests.support.recordings import run_compiled
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.recordings import run_compiled
+from tests.support.scenarios.verdicts import checks_of
 
 Booleans = np.ndarray[Any, np.dtype[np.bool_]]
 FIGURE = re.compile(r'(?m)^"?(?P<key>[\w.]+)"? = (?P<value>[^#\n]*?) *# (?P<comment>.*)$')

@@ -12,8 +12,8 @@ from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.fmus.prebuilt import prepare_fmus
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.paths import replace_file, replace_files
-from tests.support.command_line import Command
-from tests.support.workshop import PYTHON
+from tests.support.project.command_line import Command
+from tests.support.project.workshop import PYTHON
 
 resource = pytest.importorskip("resource", reason="Windows has no limit of the size of files")
 LIMIT = 4096  # bytes of a file

@@ -9,7 +9,7 @@ import pytest
 from motionsync_fmu.plan import confirmation
 from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, to
 from tests.plan.machines import REFERENCE
-from tests.support.command_line import Command, assert_one_line
+from tests.support.project.command_line import Command, assert_one_line
 
 SAW = """\
 title = "Saw 3"

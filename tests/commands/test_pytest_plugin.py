@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu import run
-from tests.support.workshop import STOP, scenario
+from tests.support.project.workshop import STOP, scenario
 
 pytest_plugins = ["pytester"]
 

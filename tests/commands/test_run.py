@@ -16,10 +16,10 @@ from motionsync_fmu.pages import results
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests import ROOT
-from tests.support.command_line import Command, assert_one_line
-from tests.support.fmus import Fmus
-from tests.support.verdicts import checks_of
-from tests.support.workshop import PYTHON, STOP, scenario
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import PYTHON, STOP, scenario
+from tests.support.scenarios.verdicts import checks_of
 from tests.sweeps.example_plans import EXAMPLE
 
 

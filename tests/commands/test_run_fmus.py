@@ -8,8 +8,8 @@ from pathlib import Path
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import host_platform
-from tests.support.command_line import Command, assert_one_line
-from tests.support.workshop import PYTHON, description, scenario, the_fmu
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import PYTHON, description, scenario, the_fmu
 
 
 def test_a_missing_fmu_is_built_for_this_machine_and_reported(motionsync: Command, cache: Path) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.command_line import Command
-from tests.support.workshop import STOP, scenario
+from tests.support.project.command_line import Command
+from tests.support.project.workshop import STOP, scenario
 
 
 def test_run_writes_results_and_report(workshop: Command) -> None:

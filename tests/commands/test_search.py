@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from tests.support.command_line import Command, assert_one_line
-from tests.support.scenario_texts import EVEN_RAMP, write_scenario
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.scenarios.scenario_texts import EVEN_RAMP, write_scenario
 
 VELOCITY = "master.velocity=100..5000"
 

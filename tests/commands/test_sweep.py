@@ -17,8 +17,8 @@ import pytest
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.sweeps import worker_pool
 from tests import ROOT
-from tests.support.command_line import Command, assert_one_line
-from tests.support.workshop import scenario
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.workshop import scenario
 from tests.sweeps.test_execution import contents, table
 
 SCENARIO = "Synchronizer/polynomial"  # a stop and a start at 90 deg/s; its expectations hold at that velocity alone

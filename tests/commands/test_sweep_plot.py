@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.sweeps.plot.units import units
 from motionsync_fmu.sweeps.sweep_plan import Factor, SweepPlan
-from tests.support.command_line import Command, assert_one_line
+from tests.support.project.command_line import Command, assert_one_line
 from tests.sweeps import example_plans
 
 V, A, LENGTH, TIME = example_plans.FACTORS

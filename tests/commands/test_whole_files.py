@@ -20,9 +20,9 @@ from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.paths import PART, replace_files
 from motionsync_fmu.sweeps.search_output import write_csv
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
-from tests.support.command_line import Command
-from tests.support.drawn import drawn
-from tests.support.workshop import PYTHON, STOP, scenario
+from tests.support.blocks.drawn import drawn
+from tests.support.project.command_line import Command
+from tests.support.project.workshop import PYTHON, STOP, scenario
 
 resource = pytest.importorskip("resource", reason="Windows has no limit of the size of files")
 SEARCH = ("search", "CutToLength/any_length", "--vary", "length=50..6000", "--until", "passed")

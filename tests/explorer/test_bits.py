@@ -20,8 +20,8 @@ from motionsync_fmu.scenario.run.tables import RunTables
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from tests import ROOT
-from tests.support.explored import Explored, explored
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.explored import Explored, explored
 
 PAGE = 65536
 SETTERS = {"Real": "set_real", "Integer": "set_integer", "Enumeration": "set_integer", "Boolean": "set_boolean"}

@@ -12,8 +12,8 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
-from tests.support.scenario_texts import VALID, assert_refused
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.scenario_texts import VALID, assert_refused
+from tests.support.scenarios.verdicts import checks_of
 
 CUTS = """
 [cuts]

@@ -24,9 +24,9 @@ from motionsync_fmu.scenario.recording import Reals, Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
-from tests.support.fmus import Fmus
-from tests.support.scenario_texts import FREE_SAW, write_scenario
-from tests.support.stored_references import keep
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.scenario_texts import FREE_SAW, write_scenario
+from tests.support.scenarios.stored_references import keep
 
 FREE = FREE_SAW + 'follows = "slave.velocity"\ntime_constant = 0.3\n'
 COUPLED = """\

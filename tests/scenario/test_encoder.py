@@ -25,8 +25,8 @@ from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
 from tests.oracle.measured_line import encoder as oracle
 from tests.oracle.numerics import mp, splitmix64
-from tests.support.recordings import assert_as_in_python
-from tests.support.scenario_texts import ENCODED_SAW, write_scenario
+from tests.support.scenarios.recordings import assert_as_in_python
+from tests.support.scenarios.scenario_texts import ENCODED_SAW, write_scenario
 
 LINE = """\
 title = "A measured line"

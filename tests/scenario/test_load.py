@@ -10,7 +10,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.load import Load
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests.oracle.measured_line import load as oracle
-from tests.support.scenario_texts import FREE_SAW, check_mistake, write_scenario
+from tests.support.scenarios.scenario_texts import FREE_SAW, check_mistake, write_scenario
 
 UNITS = ("mm", "m", "deg", "rad", "1")
 

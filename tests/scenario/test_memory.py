@@ -12,7 +12,7 @@ import pytest
 from motionsync_fmu.scenario.evaluate.csv_files import write_inputs, write_outputs
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
-from tests.support.workshop import scenario
+from tests.support.project.workshop import scenario
 
 POINTS = 20_000
 

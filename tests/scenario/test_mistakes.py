@@ -12,9 +12,9 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario, read_scenario_text
 from motionsync_fmu.scenario.scenario import AtTime, When, Within
-from tests.support.calls import calls
-from tests.support.drawn import drawn
-from tests.support.scenario_texts import SEGMENTS, VALID, assert_refused
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.calls import calls
+from tests.support.scenarios.scenario_texts import SEGMENTS, VALID, assert_refused
 
 SETTINGS = VALID[VALID.index("[[set]]") : VALID.index("[[expect]]")]
 WHEN, FROM = "[[expect]]\nwhen", "[[expect]]\nfrom"

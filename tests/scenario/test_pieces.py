@@ -1,7 +1,7 @@
 """The pieces of a block that reports them: what a run of a scenario finds, measures once more and checks.
 
-Most runs are made by hand (`tests/support/hand_made_run.py`), so that each number is known: the line runs at 1000 u/s,
-the front end is a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and 6214.
+Most runs are made by hand (`tests/support/scenarios/hand_made_run.py`), so that each number is known: the line runs at
+1000 u/s, the front end is a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and 6214.
 """
 
 from dataclasses import replace
@@ -28,9 +28,9 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
-from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
-from tests.support.scenario_texts import assert_refused
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.hand_made_run import APPROACH, CUT, HandMadeRun, record
+from tests.support.scenarios.scenario_texts import assert_refused
+from tests.support.scenarios.verdicts import checks_of
 
 TEXT = """
 title = "t"

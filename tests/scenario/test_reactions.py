@@ -21,11 +21,11 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
-from tests.support.drawn import drawn
-from tests.support.fmus import Fmus
-from tests.support.scenario_texts import FREE_SAW, write_scenario
-from tests.support.stored_references import keep
-from tests.support.verdicts import checks_of
+from tests.support.blocks.drawn import drawn
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.scenario_texts import FREE_SAW, write_scenario
+from tests.support.scenarios.stored_references import keep
+from tests.support.scenarios.verdicts import checks_of
 
 MOVING = FREE_SAW + "velocity = 500.0\n"
 FINE = 0.001

@@ -23,11 +23,11 @@ from motionsync_fmu.scenario.files.toml_tables import read_file
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
-from tests.support import recorded_line
-from tests.support.drawn import drawn
-from tests.support.recordings import assert_as_in_python, run_compiled
-from tests.support.scenario_texts import write_scenario
-from tests.support.verdicts import checks_of
+from tests.support.blocks.drawn import drawn
+from tests.support.scenarios import recorded_line
+from tests.support.scenarios.recordings import assert_as_in_python, run_compiled
+from tests.support.scenarios.scenario_texts import write_scenario
+from tests.support.scenarios.verdicts import checks_of
 
 TEXT = """\
 title = "A recorded line"

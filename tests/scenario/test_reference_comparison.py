@@ -16,8 +16,8 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.evaluate.reference_comparison import ARCHIVE, read_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
-from tests.support.drawn import drawn
-from tests.support.scenario_texts import VALID
+from tests.support.blocks.drawn import drawn
+from tests.support.scenarios.scenario_texts import VALID
 
 HEADER = '"time","slave.position","slave.velocity"\n'
 ROWS = "0.0,1.0,2.0\n1.0,2.0,3.0\n1.0,2.0,3.5\n2.0,4.0,4.0\n"

@@ -22,7 +22,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_ste
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import regenerate
 from tests.support.fake_blocks.listener import ListenerOracle, registered
-from tests.support.scenario_texts import assert_refused
+from tests.support.scenarios.scenario_texts import assert_refused
 
 VALID = """\
 title = "A faster sender"

@@ -35,12 +35,12 @@ from motionsync_fmu.scenario.run import simulation
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps, simulate
 from tests import ROOT, regenerate
-from tests.support.calls import calls
-from tests.support.fmus import Fmus
-from tests.support.recordings import assert_same, run_compiled
-from tests.support.scenario_texts import SEGMENTS, VALID
-from tests.support.stored_references import keep
-from tests.support.varied import few_with_all, kinds_of
+from tests.support.blocks.varied import few_with_all, kinds_of
+from tests.support.compiler.calls import calls
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.recordings import assert_same, run_compiled
+from tests.support.scenarios.scenario_texts import SEGMENTS, VALID
+from tests.support.scenarios.stored_references import keep
 
 SCENARIOS = ROOT / "scenarios"
 FOLDERS = sorted(file.parent for file in SCENARIOS.rglob("scenario.toml"))

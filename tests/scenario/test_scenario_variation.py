@@ -12,7 +12,7 @@ from motionsync_fmu.scenario.files.shipped import find_files, shipped_folder
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariation
-from tests.support.calls import calls
+from tests.support.compiler.calls import calls
 
 SAW = """\
 fmu = "FlyingSaw"

@@ -19,8 +19,8 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.servo import CHUNK, Servo
 from tests import ROOT
 from tests.oracle.measured_line.servo import Servo as Oracle
-from tests.support.recordings import assert_as_in_python
-from tests.support.scenario_texts import EVEN_RAMP, FREE_SAW, check_mistake, write_scenario
+from tests.support.scenarios.recordings import assert_as_in_python
+from tests.support.scenarios.scenario_texts import EVEN_RAMP, FREE_SAW, check_mistake, write_scenario
 
 SERVO = "[servo]\nposition_gain = 50.0\nvelocity_time_constant = 0.003\ndead_time = 0.002\n"
 SERVOS = {

@@ -11,8 +11,8 @@ import pytest
 from motionsync_fmu import paths
 from tests import ROOT, regenerate
 from tests.oracle.numerics import mp
-from tests.support import stored_references
-from tests.support.stored_references import SOURCES, keep
+from tests.support.scenarios import stored_references
+from tests.support.scenarios.stored_references import SOURCES, keep
 
 SCRIPT = {"stop_time": 0.1, "start": {"rest": True}, "set": [{"at": 0.05, "stop": True}]}
 EXAMPLE = ROOT / "scenarios" / "RemoteSync" / "start_up_pt1" / "scenario.toml"

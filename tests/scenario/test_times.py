@@ -17,7 +17,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 EXAMPLE = load_scenario(find_files(ROOT / "scenarios/FlyingSaw/cyclic_cut")[0])
 

@@ -21,9 +21,9 @@ from motionsync_fmu.scenario.servo import Servo
 from tests import ROOT
 from tests.oracle.measured_line import load as load_oracle
 from tests.oracle.measured_line import true_pieces as oracle
-from tests.support.recordings import run_compiled
-from tests.support.scenario_texts import FREE_SAW, write_scenario
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.recordings import run_compiled
+from tests.support.scenarios.scenario_texts import FREE_SAW, write_scenario
+from tests.support.scenarios.verdicts import checks_of
 
 CYCLIC_CUT = ROOT / "scenarios/FlyingSaw/cyclic_cut/scenario.toml"
 LINE = """\

@@ -14,7 +14,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.sweeps.rows import run_and_evaluate
 from tests import ROOT
-from tests.support.scenario_texts import FREE_SAW
+from tests.support.scenarios.scenario_texts import FREE_SAW
 
 SAW = """\
 title = "Pieces of 800 from a line that slows down"

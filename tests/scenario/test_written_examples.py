@@ -9,7 +9,7 @@ from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.verdicts import checks_of
 
 README = ROOT / "scenarios" / "README.md"
 

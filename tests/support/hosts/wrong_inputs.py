@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from motionsync.input_watch import InputWarning
 from motionsync.master import MasterInput
-from tests.support.runs import BlockRun, Strategy
+from tests.support.blocks.runs import BlockRun, Strategy
 
 STEPS = 200  # of a run are wrong, if it has more than twice as many
 

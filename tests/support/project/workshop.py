@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring
 
-from tests.support.command_line import Outcome
+from tests.support.project.command_line import Outcome
 
 FLAVOURS = ("native", "python")
 PYTHON = ("--flavour", "python")  # the quicker one to build, for tests that need any flavour

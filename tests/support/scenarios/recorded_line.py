@@ -4,7 +4,7 @@ Each 10 ms a measuring wheel of 0.01 mm a count gives a position, with noise of 
 from rest, changes its speed, stops for five seconds and goes on; in between the wheel slips: for a second and a half it
 turns by a hundredth less than the material moves.
 
-python -m tests.support.recorded_line
+python -m tests.support.scenarios.recorded_line
 """
 
 from tests import ROOT

@@ -9,9 +9,9 @@ from hypothesis import Phase, given, seed, settings
 
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
-from tests.support.by_block import load_test_module
-from tests.support.runs import BlockRun, Strategy
-from tests.support.wrong_inputs import with_wrong_inputs
+from tests.support.blocks.by_block import load_test_module
+from tests.support.blocks.runs import BlockRun, Strategy
+from tests.support.hosts.wrong_inputs import with_wrong_inputs
 
 
 def load_strategy(name: str) -> Strategy:

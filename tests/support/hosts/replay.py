@@ -22,7 +22,7 @@ from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
 from motionsync_fmu.scenario.run.fmu_instance import TYPES, FmuError, FmuInstance, fmi_version
 from tests import ROOT
-from tests.support.runs import BlockRun
+from tests.support.blocks.runs import BlockRun
 
 # The letters of the orders, by the types of FMI's get and set functions.
 LETTERS = {"Real": "R", "Float64": "R", "Integer": "I", "Int32": "I", "Int64": "E", "Boolean": "B"}

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from motionsync.blocks import BLOCKS
 from tests import ROOT
-from tests.support.explored import explored
-from tests.support.extras import dry_run
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.extras import dry_run
+from tests.support.scenarios.explored import explored
 
 MAKE = """
 from pathlib import Path
-from tests.support.extras import hide_others
+from tests.support.project.extras import hide_others
 
 hide_others(*{extras})
 from tools.site.build import make_site

@@ -5,7 +5,7 @@ from pathlib import Path
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
-from tests.support.recordings import run_compiled
+from tests.support.scenarios.recordings import run_compiled
 
 TEXT = """\
 title = "A knife with a motor"

@@ -11,7 +11,7 @@ from motionsync.var import Block
 from motionsync_fmu.interface.stepper import Stepper
 from tests.oracle.master import Stretch, stretches
 from tests.oracle.numerics import mp
-from tests.support.harness import Row
+from tests.support.blocks.harness import Row
 
 CLOSE = 1e-10
 """Time (s) by which the end of a segment may be rounded."""

@@ -13,7 +13,7 @@ import pytest
 
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance, read_description
-from tests.support.runs import BlockRun
+from tests.support.blocks.runs import BlockRun
 
 Row = dict[str, Any]
 COSIM = {  # libcosim's classes, and their modules

@@ -9,7 +9,7 @@ from typing import Any
 from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import cells, step_size_refusal
-from tests.support.runs import BlockRun
+from tests.support.blocks.runs import BlockRun
 
 
 def run_finite(block: Any, run: BlockRun, requests: tuple[str, ...] = ()) -> Iterator[Any]:

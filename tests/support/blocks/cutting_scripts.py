@@ -9,9 +9,9 @@ from motionsync.var import Block
 from tests.oracle.cut_to_length.carriage import MasterSection
 from tests.oracle.master import stretches
 from tests.oracle.numerics import mp
-from tests.support import oracle_runs
-from tests.support.harness import Row
-from tests.support.oracle_runs import Feed, Script, corners
+from tests.support.blocks import oracle_runs
+from tests.support.blocks.harness import Row
+from tests.support.blocks.oracle_runs import Feed, Script, corners
 
 LEAST_SPEED = 1e-3
 

@@ -1,7 +1,7 @@
 """A process as in an environment with nothing but some extras of the project, as a make target sets it up in a fresh
 clone:
 
-    python -m tests.support.extras EXTRA[,EXTRA]... MODULE [ARGUMENT]...
+    python -m tests.support.project.extras EXTRA[,EXTRA]... MODULE [ARGUMENT]...
 
 runs a module there. What the extras do not install is hidden, though it is installed."""
 

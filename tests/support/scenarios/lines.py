@@ -11,7 +11,7 @@ from motionsync_fmu.production_line.line import REMOTE, ProductionLine
 from motionsync_fmu.production_line.package import LinePackage, write_package
 from motionsync_fmu.production_line.reader import load_line
 from tests import ROOT
-from tests.support.fmus import Fmus, Shared
+from tests.support.hosts.fmus import Fmus, Shared
 
 LINES = ROOT / "scenarios" / "line"
 SAW, SYNCHRONIZER = LINES / "line.toml", LINES / "line_synchronizer.toml"

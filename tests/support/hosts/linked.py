@@ -16,7 +16,7 @@ from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run.simulation import scheduled_steps, start_inputs
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
-from tests.support.runs import BlockRun
+from tests.support.blocks.runs import BlockRun
 
 SCENARIO_INTERVAL, MAX_STEPS = 20, 400  # of a block's scenarios every so many; so many steps of each
 LETTERS = {"Real": "R", "Boolean": "B", "Integer": "I", "Enumeration": "I"}

@@ -7,7 +7,7 @@ import numpy as np
 from motionsync_fmu.production_line.line import REMOTE, ProductionLine
 from motionsync_fmu.production_line.package import LinePackage
 from motionsync_fmu.production_line.runs import Values
-from tests.support.importers import load_libcosim
+from tests.support.hosts.importers import load_libcosim
 
 
 def run_cosim(line: ProductionLine, package: LinePackage) -> dict[str, Values]:

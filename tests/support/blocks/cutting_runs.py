@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from motionsync.cutting.faults import MarkRefusal, PieceFault
 from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.master import MasterInput
-from tests.support.masters import INPUT_MODES
-from tests.support.runs import EXTREMES, BlockRun
+from tests.support.blocks.masters import INPUT_MODES
+from tests.support.blocks.runs import EXTREMES, BlockRun
 
 # How likely a command rises in a step in which it can: usually, and in a run that is about this command.
 COMMANDS: Mapping[str, tuple[float, float]] = {

@@ -13,8 +13,8 @@ from typing import Any
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.explorer.page import scenarios_of, write_page
 from motionsync_fmu.interface.block_folder import block_file
-from tests.support.fmus import Fmus
-from tests.support.varied import few_with_all, kinds_of
+from tests.support.blocks.varied import few_with_all, kinds_of
+from tests.support.hosts.fmus import Fmus
 
 INPUTS = ("axis", "encoder", "drive", "remote", "settings", "reactions", "cuts")
 """What the page makes the inputs of a run from, beside the start values."""
