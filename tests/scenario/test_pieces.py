@@ -1,7 +1,8 @@
 """The pieces of a block that reports them: what a run of a scenario finds, measures once more and checks.
 
 Most runs are made by hand (`tests/support/scenarios/hand_made_run.py`), so that each number is known: the line runs at
-1000 u/s, the front end is a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and 6214.
+1000 u/s, the front end is a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and
+6214.
 """
 
 from dataclasses import replace
