@@ -1,7 +1,7 @@
 """Python and native code give the same bits: in this process, through both FMUs, and on every available platform.
 
-tests/scenario/files/test_scenario_files.py compares both FMUs with this process in scenarios that have together all that
-any has; tests/explorer/test_bits.py the native one in every scenario.
+tests/scenario/files/test_scenario_files.py compares both FMUs with this process in scenarios that have together all
+that any has; tests/explorer/test_bits.py the native one in every scenario.
 """
 
 from itertools import count
