@@ -15,10 +15,10 @@ from hypothesis.internal.conjecture import providers
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli, paths
 from motionsync_fmu.pages import progress
-from tests.support.by_block import block_folder
-from tests.support.command_line import Command, Outcome
-from tests.support.drawn import draw_times
-from tests.support.fmus import Fmus, Shared
+from tests.support.blocks.by_block import block_folder
+from tests.support.blocks.drawn import draw_times
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.project.command_line import Command, Outcome
 
 SOAK = 10  # as many random examples in the long form
 

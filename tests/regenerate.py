@@ -35,7 +35,7 @@ from motionsync_fmu.scenario.settings import Reaction, Setting
 from tests import ROOT
 from tests.oracle.measured_master import MeasuredMaster
 from tests.oracle.reactions import settled
-from tests.support.by_block import block_folder
+from tests.support.blocks.by_block import block_folder
 
 SCENARIOS = ROOT / "scenarios"
 SMOOTHED = ("time", "master.smoothed_position", "master.smoothed_velocity", "master.smoothed_acceleration")

@@ -53,7 +53,7 @@ COMPILED = ("model/", *(f"fmu_src/motionsync_fmu/{name}/" for name in ("compiler
 COMPILERS = tuple(f"fmu_src/motionsync_fmu/{name}" for name in ("native", "batch"))
 LEFT_OUT = (
     *("tests/pages/test_contributing.py", "tests/install/"),  # they run other tests, or none of the project's code
-    "tests/commands/test_paths.py",  # it limits the size of files, which coverage writes as well
+    "tests/commands/projects/test_paths.py",  # it limits the size of files, which coverage writes as well
 )
 COLLECTION = 120.0  # s, at most
 State = Annotated[str, typer.Option(help="names the results: before, say")]

@@ -32,7 +32,7 @@ from motionsync_fmu.scenario.files.new_scenario import figures, new_scenario
 from motionsync_fmu.scenario.files.reader import read_scenario_text
 from motionsync_fmu.scenario.variation.values import ValueKind, read_values
 from motionsync_fmu.sweeps.conditions import RowCondition
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 PLACE = 8_191_524.25  # a number that no scenario has
 FILE = Path("scenario.toml")

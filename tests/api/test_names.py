@@ -13,8 +13,8 @@ import motionsync_fmu
 from motionsync_fmu import UserError
 from motionsync_fmu.commands.app import COMMANDS
 from tests import ROOT
-from tests.support.command_line import Command, assert_one_line
-from tests.support.mypy_cache import copied_cache
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.project.mypy_cache import copied_cache
 
 SCENARIO = "Synchronizer/polynomial"
 CALLS = {  # each command, with arguments that are accepted

@@ -24,8 +24,8 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.python.slave import BlockSlave
+from tests.support.blocks.random_runs import draw_runs
 from tests.support.fake_blocks.divider import Divider
-from tests.support.random_runs import draw_runs
 
 ALL = [v.name for v in variables(Synchronizer())]
 POSITION = ["slave.position"]

@@ -20,9 +20,9 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import variables
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.random_runs import draw_runs
 from tests.support.fake_blocks.divider import Divider
-from tests.support.random_runs import draw_runs
 
 Values = NDArray[np.float64]
 KINDS = ["initial", "last", "min", "max", "min_time", "max_time", "first", "first_time", "mean", "rms", "rises"]

@@ -25,8 +25,8 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import OutputCondition, Reaction, Setting
 from tests import ROOT
-from tests.support.drawn import drawn
-from tests.support.recordings import assert_as_in_python, assert_same, run_compiled, run_interpreted
+from tests.support.blocks.drawn import drawn
+from tests.support.scenarios.recordings import assert_as_in_python, assert_same, run_compiled, run_interpreted
 
 CYCLIC_CUT = ROOT / "scenarios/FlyingSaw/cyclic_cut/scenario.toml"
 DRIVEN = ROOT / "scenarios/CutToLength/cyclic_orders/scenario.toml"

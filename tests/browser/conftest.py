@@ -17,8 +17,8 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
 from tests.browser.runs import run
 from tests.browser.visit import Visit, choose
-from tests.support.explored import explored, opens_with
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.explored import explored, opens_with
 
 # The shell is the same browser without windows of its own; it opens a page with half the work.
 PROGRAMS = ["chromium-headless-shell", "chromium", "chromium-browser"]

@@ -6,7 +6,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
-from tests.support.recordings import run_compiled
+from tests.support.scenarios.recordings import run_compiled
 
 
 @cache

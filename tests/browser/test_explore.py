@@ -21,10 +21,10 @@ from tests import ROOT
 from tests.browser.conftest import Chosen, Open, OpenBlock, ready
 from tests.browser.runs import record
 from tests.browser.visit import Visit, choose, contrast, settle
-from tests.support.explored import explored, opens_with
-from tests.support.fmus import Fmus
-from tests.support.recordings import output_names
-from tests.support.scenario_texts import ENCODED_SAW
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.explored import explored, opens_with
+from tests.support.scenarios.recordings import output_names
+from tests.support.scenarios.scenario_texts import ENCODED_SAW
 
 TABLES_JS = Path(explore_page.__file__).with_name("tables.js")
 CUTS = "[...document.querySelectorAll('.motionsync-machine .stock')].map(e => +e.dataset.cuts)[0]"

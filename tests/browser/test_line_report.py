@@ -10,8 +10,8 @@ from motionsync_fmu.production_line.reader import load_line
 from motionsync_fmu.production_line.report import write_line_report
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
-from tests.support.fmus import Fmus, Shared
-from tests.support.lines import SAW, copied, evaluated
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.scenarios.lines import SAW, copied, evaluated
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from tests.browser.charts import ChartView
 from tests.browser.conftest import AtRest, Open, OpenReport, drawn
 from tests.browser.runs import run
 from tests.browser.visit import Visit, contrast
-from tests.support.knife_runs import run_knife
+from tests.support.blocks.knife_runs import run_knife
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"

@@ -3,8 +3,8 @@
 import pytest
 
 from tests.browser.conftest import Windows
-from tests.support.fmus import Fmus
-from tests.support.site import made_site
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.site import made_site
 
 WIDTHS = (1280, 390)
 

@@ -7,9 +7,9 @@ import pytest
 
 from motionsync_fmu import paths
 from motionsync_fmu.fmus.fmu import Flavour
-from tests.support.command_line import Command
-from tests.support.fmus import Fmus, Shared
-from tests.support.workshop import scenario
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.project.command_line import Command
+from tests.support.project.workshop import scenario
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from motionsync_fmu.compiler.memory_layout import image
 from motionsync_fmu.compiler.translator import c_source
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.native.libraries import ZIG
-from tests.support.modules import load_module
+from tests.support.compiler.modules import load_module
 
 SAMPLE = '''"""A sample of the text."""
 

@@ -10,7 +10,7 @@ from motionsync import var
 from motionsync.var import Enumeration, Unit
 from motionsync_fmu.compiler.memory_layout import image
 from motionsync_fmu.native.tables import number, quoted
-from tests.support.compiled import Compiled, equal
+from tests.support.compiler.compiled import Compiled, equal
 
 
 class Refusal(Enumeration):

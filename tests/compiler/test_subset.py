@@ -7,7 +7,7 @@ import pytest
 
 from motionsync_fmu.compiler.subset.expression_rules import Violation
 from motionsync_fmu.compiler.subset.module_rules import check
-from tests.support.kernel_rules import PART, assert_only, find_violations
+from tests.support.compiler.kernel_rules import PART, assert_only, find_violations
 
 IMPORTS = "from dataclasses import dataclass\nfrom . import var\nfrom .var import Enumeration\n"
 CLASS = "@dataclass(slots=True)\nclass Block:\n"

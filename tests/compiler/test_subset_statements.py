@@ -4,7 +4,7 @@ import textwrap
 
 import pytest
 
-from tests.support.kernel_rules import find_violations
+from tests.support.compiler.kernel_rules import find_violations
 
 HEAD = '''"""A module."""
 import math

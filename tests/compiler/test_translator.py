@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 
 from motionsync_fmu.compiler.memory_layout import address_and_count
-from tests.support.compiled import Compiled, Layout
-from tests.support.drawn import drawn
-from tests.support.modules import load_module
-from tests.support.random_programs import HEAD, module, programs
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.compiled import Compiled, Layout
+from tests.support.compiler.modules import load_module
+from tests.support.compiler.random_programs import HEAD, module, programs
 
 PROGRAMS = 100
 RUNS = 12  # of each program

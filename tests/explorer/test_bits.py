@@ -1,6 +1,7 @@
 """The block as WebAssembly has the native FMU's bits: all outputs and locals at all points of all scenarios."""
 
 import hashlib
+import weakref
 from array import array
 from collections.abc import Iterator
 from dataclasses import replace
@@ -20,8 +21,8 @@ from motionsync_fmu.scenario.run.tables import RunTables
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from tests import ROOT
-from tests.support.explored import Explored, explored
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.explored import Explored, explored
 
 PAGE = 65536
 SETTERS = {"Real": "set_real", "Integer": "set_integer", "Enumeration": "set_integer", "Boolean": "set_boolean"}
@@ -45,7 +46,13 @@ class Module:
         """Reset the unit, set the start values and write the tables; the status of the initialization."""
         self.log = []
         self.store, linker = wasmtime.Store(self.engine), wasmtime.Linker(self.engine)
-        linker.define_func("page", "log", wasmtime.FuncType([wasmtime.ValType.i32()] * 3, []), self._add_message)
+        this = weakref.ref(self)  # a store in a circle is deleted as Python ends, at a fault
+
+        def log(*message: int) -> None:
+            if module := this():
+                module.add_message(*message)
+
+        linker.define_func("page", "log", wasmtime.FuncType([wasmtime.ValType.i32()] * 3, []), log)
         self.web = linker.instantiate(self.store, self.module).exports(self.store)
         self.address = self.web["reset"](self.store)
         references = {name: i for i, name in enumerate(self.block.variables)}
@@ -90,7 +97,7 @@ class Module:
             array("d", bytes(8 * width * tables.most_points)) for width in (1, 4, len(self.outputs))
         )
 
-    def _add_message(self, status: int, address: int, length: int) -> None:
+    def add_message(self, status: int, address: int, length: int) -> None:
         self.log.append(bytes(self.web["memory"].read(self.store, address, address + length)).decode())
 
     def _write(self, numbers: Any) -> int:

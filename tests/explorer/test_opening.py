@@ -8,7 +8,7 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.explorer import opening
 from motionsync_fmu.explorer.page import scenarios_of
 from motionsync_fmu.interface.recipe import Recipe
-from tests.support.explored import opens_with
+from tests.support.scenarios.explored import opens_with
 
 
 def test_a_page_has_the_scenario_with_which_it_opens_first_and_the_example(block: str) -> None:

@@ -10,8 +10,8 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.explorer import page
 from motionsync_fmu.scenario.files.reader import load_scenario
 from tests import ROOT
-from tests.support.explored import explored
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.explored import explored
 
 
 def test_a_page_loads_nothing(fmus: Fmus, block: str) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 
 @pytest.fixture(scope="session")

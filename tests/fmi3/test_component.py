@@ -14,8 +14,8 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.instance_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.native_host import saved
-from tests.support.random_runs import draw_accepted_run
+from tests.support.blocks.random_runs import draw_accepted_run
+from tests.support.hosts.native_host import saved
 
 RESOURCE = "co-simulation-instance"
 TYPES = {"Float64": "float64", "Int32": "int32", "Int64": "int64", "Boolean": "boolean"}

@@ -16,7 +16,7 @@ from motionsync_fmu.interface.fmi3_xml import translated
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.terminals import terminals
 from motionsync_fmu.native.tables import abilities
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.validation import faults_by_fmpy
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}

@@ -11,7 +11,7 @@ from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, Platform
 from tests.native.test_libraries import MACHO_OWN, exported, tool
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 FUNCTIONS = set(re.findall(r"FMI3_Export \w+\s+(fmi3\w+);", (HEADERS / "fmi3Functions.h").read_text()))
 

@@ -7,11 +7,11 @@ import fmpy
 import pytest
 
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.fmus import Fmus
-from tests.support.importers import bits
-from tests.support.native_host import restore, saved
-from tests.support.random_runs import draw_accepted_run, draw_runs
-from tests.support.replay import TARGETS, orders, replayed, tried
+from tests.support.blocks.random_runs import draw_accepted_run, draw_runs
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.importers import bits
+from tests.support.hosts.native_host import restore, saved
+from tests.support.hosts.replay import TARGETS, orders, replayed, tried
 
 
 def test_random_runs_give_the_same_states_and_messages(block: str, block_native: Path, block_fmi3: Path) -> None:

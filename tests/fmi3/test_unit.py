@@ -11,8 +11,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from motionsync_fmu.scenario.run.fmu_instance import FmuError
-from tests.support.importers import Logged
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.importers import Logged
+from tests.support.hosts.validation import faults_by_fmpy
 
 OK, WARNING, DISCARD, ERROR = range(4)
 LOGGED = {WARNING: "logStatusWarning", DISCARD: "logStatusDiscard", ERROR: "logStatusError"}

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.importers import Logged
+from tests.support.hosts.importers import Logged
 
 
 @pytest.fixture

@@ -28,10 +28,10 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
-from tests.support.fmus import Fmus
-from tests.support.importers import bits, check_by_fmutool
-from tests.support.random_runs import draw_accepted_run, draw_runs
-from tests.support.validation import faults_by_fmpy
+from tests.support.blocks.random_runs import draw_accepted_run, draw_runs
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.importers import bits, check_by_fmutool
+from tests.support.hosts.validation import faults_by_fmpy
 
 DISCARD, FATAL = 2, 4
 

@@ -10,7 +10,7 @@ from motionsync_fmu.fmus.fmu import build_python
 from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 
 def test_the_log_names_variables_and_values(fmus: Fmus) -> None:

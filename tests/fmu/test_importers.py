@@ -8,10 +8,10 @@ import pytest
 
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from tests.support.fmus import Fmus, Shared, build_for_host
-from tests.support.importers import Row, through_ecos, through_fmpy, through_fmuloader, through_libcosim
-from tests.support.random_runs import draw_accepted_run
-from tests.support.runs import BlockRun
+from tests.support.blocks.random_runs import draw_accepted_run
+from tests.support.blocks.runs import BlockRun
+from tests.support.hosts.fmus import Fmus, Shared, build_for_host
+from tests.support.hosts.importers import Row, through_ecos, through_fmpy, through_fmuloader, through_libcosim
 
 H = 2.0**-7  # s; exact, however an importer adds up its steps
 STEPS = 600

@@ -19,7 +19,7 @@ from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
 from tests.oracle.measured_line.servo import Servo
-from tests.support.fmus import Shared, build_for_host
+from tests.support.hosts.fmus import Shared, build_for_host
 
 README = (ROOT / "examples/modelica/README.md").read_text("utf-8")
 GAIN, TIME_CONSTANT = 50.0, 0.003  # 1/s, s

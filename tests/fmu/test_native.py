@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 from motionsync_fmu.interface.fmi2_xml import CATEGORIES
 from motionsync_fmu.interface.variables import shown
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.importers import Logged
-from tests.support.native_host import DISCARD, ERROR, OK, ROTARY, WARNING, refused, run_steps, saved
+from tests.support.hosts.importers import Logged
+from tests.support.hosts.native_host import DISCARD, ERROR, OK, ROTARY, WARNING, refused, run_steps, saved
 
 # --- states of life ---
 

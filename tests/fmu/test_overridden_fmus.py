@@ -17,12 +17,12 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance, read_recipe
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
-from tests.support.by_block import load_test_module
-from tests.support.fmus import Fmus, Shared, build_for_host
-from tests.support.importers import check_by_fmutool
-from tests.support.random_runs import draw_accepted_run
-from tests.support.runs import BlockRun
-from tests.support.validation import faults_by_fmpy
+from tests.support.blocks.by_block import load_test_module
+from tests.support.blocks.random_runs import draw_accepted_run
+from tests.support.blocks.runs import BlockRun
+from tests.support.hosts.fmus import Fmus, Shared, build_for_host
+from tests.support.hosts.importers import check_by_fmutool
+from tests.support.hosts.validation import faults_by_fmpy
 
 H = 2.0**-7  # s
 NATIVE = ("Gearing", "FlyingSaw")  # building one takes long; the C files are the same for all

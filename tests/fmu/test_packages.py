@@ -15,8 +15,8 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
-from tests.support.fmus import Shared
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.fmus import Shared
+from tests.support.hosts.validation import faults_by_fmpy
 
 UNITS = ("mm", "m", "deg", "rad", "1")
 REGISTRATION = """

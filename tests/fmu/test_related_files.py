@@ -22,8 +22,8 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.related_files import related_files
 from motionsync_fmu.scenario.evaluate.reference_comparison import read_reference
 from motionsync_fmu.scenario.files.example import load_example
-from tests.support.fmus import Fmus
-from tests.support.references import assert_met
+from tests.support.hosts.fmus import Fmus
+from tests.support.scenarios.references import assert_met
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
 MANIFEST = f"{FOLDER}fmi-ls-manifest.xml"

@@ -11,7 +11,7 @@ from motionsync.remote_sync.interface import Mode
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.model.remote_sync.harness import CONTRADICTIONS, T
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 
 @pytest.mark.parametrize(

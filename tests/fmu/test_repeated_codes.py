@@ -6,8 +6,8 @@ import pytest
 
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.fmus import Fmus
-from tests.support.native_host import state_functions
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.native_host import state_functions
 
 AXIS = "axis.max_velocity = 1200"
 LIMIT = "local: limit exceeded: the slave is faster than its axis can be"

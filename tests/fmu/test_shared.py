@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from tests import ROOT
-from tests.support.fmus import Shared
+from tests.support.hosts.fmus import Shared
 
 DIES = """
 import os, sys
 from pathlib import Path
-from tests.support.fmus import Shared
+from tests.support.hosts.fmus import Shared
 def fill(folder):
     (folder / "half").touch()
     os._exit(1)

@@ -7,7 +7,7 @@ import pytest
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.oracle.cut_to_length.limits import Saw
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 H, VELOCITY, LENGTH = 0.01, 1000.0, 1500.0
 START = {

@@ -28,9 +28,9 @@ from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import host_platform
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.fmus import Fmus
-from tests.support.linked import answer, header, runs
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.linked import answer, header, runs
+from tests.support.hosts.validation import faults_by_fmpy
 
 HOST = ROOT / "tests" / "fmu"
 # FMI's headers with the prefix of its functions; FMPy's do not have it any more.

@@ -15,8 +15,8 @@ from motionsync_fmu.compiler.memory_layout import dtype, offset
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Cell, cells
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.fmus import Fmus
-from tests.support.native_host import ROTARY, refused, run_steps, saved
+from tests.support.hosts.fmus import Fmus
+from tests.support.hosts.native_host import ROTARY, refused, run_steps, saved
 
 
 def test_a_state_may_be_one_of_another_instance_overwritten_and_freed(native: Path, host: FmuInstance) -> None:

@@ -17,7 +17,7 @@ from fmpy.simulation import instantiate_fmu
 
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 WARNING, ERROR = 1, 3
 BAD_VALUE = "axis.max_velocity = -5 is not allowed: it must be 1e-12 to 1e+12"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests import ROOT
-from tests.support.extras import dry_run
+from tests.support.project.extras import dry_run
 
 HELP = re.findall(r"^([a-z]+):.*## ", (ROOT / "Makefile").read_text("utf-8"), re.M)
 ELSEWHERE = {"docs", "release"}  # tests/site and tests/release make these with their extras alone
@@ -42,7 +42,7 @@ def test_a_target_needs_no_more_than_its_extras(target: str, tmp_path: Path) -> 
             arguments = [str(shutil.copytree(ROOT / "docs", tmp_path / "docs", dirs_exist_ok=True))]
         else:
             arguments += [*SHORT.get(target, ()), "--output", str(tmp_path)]
-        call = [sys.executable, "-m", "tests.support.extras", ",".join(extras), module, *arguments]
+        call = [sys.executable, "-m", "tests.support.project.extras", ",".join(extras), module, *arguments]
         done = subprocess.run(
             call, cwd=tmp_path, check=False, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": path}
         )

@@ -18,9 +18,9 @@ from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.causality import CausalityError, Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.recipe import Recipe
-from tests.support.by_block import load_test_module
-from tests.support.drawn import drawn
-from tests.support.validation import faults_by_fmpy
+from tests.support.blocks.by_block import load_test_module
+from tests.support.blocks.drawn import drawn
+from tests.support.hosts.validation import faults_by_fmpy
 
 SIGNALS = {f"{axis}.{name}" for axis in ("master", "remote") for name in ("position", "velocity", "acceleration")}
 SIGNALS |= {"remote.cycle_index"}

@@ -8,7 +8,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import members, refusals, variables
 from motionsync_fmu.python.slave import BlockSlave
-from tests.support.random_runs import draw_runs
+from tests.support.blocks.random_runs import draw_runs
 
 
 def slave_of(block: str) -> Any:

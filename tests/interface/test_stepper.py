@@ -6,7 +6,7 @@ from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Refusal
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
-from tests.support.harness import copy_stepper
+from tests.support.blocks.harness import copy_stepper
 
 
 def coupled() -> Stepper:

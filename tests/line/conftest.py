@@ -13,8 +13,8 @@ from motionsync_fmu.production_line.line import ProductionLine
 from motionsync_fmu.production_line.package import LinePackage, write_package
 from motionsync_fmu.production_line.reader import load_line
 from motionsync_fmu.production_line.variants import Variant
-from tests.support.fmus import Fmus, Shared
-from tests.support.lines import MACHINE, SAW, SYNCHRONIZER, copied, evaluated, replaced
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.scenarios.lines import MACHINE, SAW, SYNCHRONIZER, copied, evaluated, replaced
 
 FEW = (  # seven cuts; a clock that is 3000 ppm fast: a beat each 1.33 s
     ("stop_time = 149.7", "stop_time = 8.0"),

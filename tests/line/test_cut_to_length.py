@@ -26,7 +26,7 @@ from motionsync_fmu.production_line.variants import (
 )
 from motionsync_fmu.scenario.recording import Reals, Recording
 from tests.line.conftest import Examined
-from tests.support.lines import MACHINE, integrated, replaced
+from tests.support.scenarios.lines import MACHINE, integrated, replaced
 
 CYCLE, LENGTH, KERF, TOLERANCE = 0.004, 300.0, 4.0, 0.05  # of line_cut_to_length.toml
 SSP = {

@@ -20,9 +20,9 @@ from motionsync_fmu.production_line.reader import load_line
 from motionsync_fmu.production_line.variants import RAW, run_through_remote_sync
 from motionsync_fmu.scenario.clocks import Rate
 from tests.line.conftest import Examined, examined
-from tests.support.cosim import run_cosim
-from tests.support.fmus import Fmus, Shared
-from tests.support.lines import LINES, SAW, copied, integrated
+from tests.support.hosts.cosim import run_cosim
+from tests.support.hosts.fmus import Fmus, Shared
+from tests.support.scenarios.lines import LINES, SAW, copied, integrated
 
 CYCLE, PPM, PHASE = 0.002, 300e-6, 0.665  # of line.toml
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from motionsync_fmu.batch.simulation import simulate_many
 from tests import ROOT
 from tests.measured.lines import MEASURED, Reals, noisy
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 PAGE = (ROOT / "docs" / "how_to" / "measured_line.md").read_text("utf-8")
 PATH = [f"master.smoothed_{name}" for name in ("position", "velocity", "acceleration")]

@@ -19,7 +19,7 @@ from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.sweeps.database import Database
 from motionsync_fmu.sweeps.distribution import MOST, find_distribution
 from tests import ROOT
-from tests.support.pictures import assert_same_picture
+from tests.support.project.pictures import assert_same_picture
 from tools.measured_line_pictures import ErrorTable, draw_histogram, draw_line, draw_trade, run_line
 
 DOCS = ROOT / "docs"

@@ -6,7 +6,7 @@ from fractions import Fraction
 from hypothesis import strategies as st
 
 from motionsync.master_path import MasterPath
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 EPS = 2.0**-52
 repeatable = drawn(200)

@@ -16,9 +16,9 @@ from motionsync.cutting.faults import MarkRefusal, NoLength, PieceFault
 from motionsync.cutting.interface import LateMode, Source, StartMode
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
-from tests.support.drawn import drawn
-from tests.support.finite import run_finite
-from tests.support.runs import BlockRun
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.finite import run_finite
+from tests.support.blocks.runs import BlockRun
 
 INTEGER = 2147483647  # the largest number of FMI's Integer
 MARKS: dict[str, Any] = {"source": Source.MARK, "auto_start": True, "mark.sensor_distance": 700.0}

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from motionsync.input_watch import InputWarning
 from motionsync.master import Master, MasterInput
 from tests.oracle.input_watch import Reported, Sample, reported
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 START, END, ONLY, MEASURED = MasterInput
 EXACT = [START, END, ONLY]

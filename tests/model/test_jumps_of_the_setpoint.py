@@ -12,7 +12,7 @@ from motionsync.slave import Slave
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
-from tests.support.random_runs import draw_runs
+from tests.support.blocks.random_runs import draw_runs
 
 MACHINES = ["CutToLength", "RotaryKnife", "FlyingSaw"]
 AXIS = AxisLimits(max_velocity=200.0)

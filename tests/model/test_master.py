@@ -30,8 +30,8 @@ from tests.model.exact_paths import (
     value,
 )
 from tests.model.test_master_path import crossing_time
-from tests.support.drawn import drawn
-from tests.support.numbers import numbers_in
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.numbers import numbers_in
 
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
 periods = st.sampled_from([0.1, 0.7, 6.2, 7.7, 360.0]) | st.floats(1e-3, 1e3)

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 
 from motionsync.motion.jerk_limited import Motion, acceleration_limit, stopping_distance
 from tests.oracle.numerics.mp import mpq
-from tests.support.compiled import Compiled, equal
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.compiled import Compiled, equal
 from tests.support.fake_blocks.planner import Planner
 
 repeatable = drawn(300)

@@ -11,8 +11,8 @@ from motionsync.numerics.polynomial import EPSILON, ROUNDING, Polynomial
 from tests.model.flying_saw.fake_blocks import RootFinder
 from tests.oracle.numerics.mp import Ratio, mpq
 from tests.oracle.numerics.roots import at, roots_inside
-from tests.support.compiled import Compiled, equal
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.compiled import Compiled, equal
 
 repeatable = drawn()
 

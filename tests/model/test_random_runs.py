@@ -4,9 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
-from tests.support.drawn import drawn
-from tests.support.finite import run_finite
-from tests.support.random_runs import load_strategy
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.finite import run_finite
+from tests.support.blocks.random_runs import load_strategy
 
 
 @drawn(25)

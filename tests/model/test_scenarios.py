@@ -20,9 +20,9 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario, When
 from tests import ROOT
 from tests.regenerate import examples
-from tests.support.harness import MOTION
-from tests.support.recordings import assert_same, run_compiled
-from tests.support.verdicts import checks_of
+from tests.support.blocks.harness import MOTION
+from tests.support.scenarios.recordings import assert_same, run_compiled
+from tests.support.scenarios.verdicts import checks_of
 
 SCENARIOS = pytest.mark.parametrize(
     "file",

@@ -10,10 +10,10 @@ from motionsync.master import MasterInput
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import Variable
-from tests.support.finite import run_finite
-from tests.support.numbers import TINY
-from tests.support.random_runs import draw_runs
-from tests.support.runs import BlockRun
+from tests.support.blocks.finite import run_finite
+from tests.support.blocks.numbers import TINY
+from tests.support.blocks.random_runs import draw_runs
+from tests.support.blocks.runs import BlockRun
 
 
 def thinned(run: BlockRun, reals: dict[str, Variable], r: Random) -> BlockRun:

@@ -18,10 +18,10 @@ from motionsync.cutting.faults import PieceFault
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import Variable, shown
-from tests.support.by_block import load_test_module
-from tests.support.compiled import Compiled
-from tests.support.random_runs import draw_runs
-from tests.support.runs import BlockRun
+from tests.support.blocks.by_block import load_test_module
+from tests.support.blocks.random_runs import draw_runs
+from tests.support.blocks.runs import BlockRun
+from tests.support.compiler.compiled import Compiled
 
 STEPS, RUNS = 300, 60
 RISING_AT = (20, 100, 200)  # steps in which a command is tried

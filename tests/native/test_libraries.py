@@ -33,9 +33,9 @@ from motionsync_fmu.native.macho import universal
 from motionsync_fmu.native.platforms import PLATFORMS, ROWS
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.fmus import build_for_host
-from tests.support.importers import check_by_fmutool
-from tests.support.validation import faults_by_fmpy
+from tests.support.hosts.fmus import build_for_host
+from tests.support.hosts.importers import check_by_fmutool
+from tests.support.hosts.validation import faults_by_fmpy
 
 RECIPE = Recipe("Synchronizer")
 LARGEST = 256_000  # bytes of an FMU

@@ -1,7 +1,7 @@
 """Python and native code give the same bits: in this process, through both FMUs, and on every available platform.
 
-tests/scenario/test_scenario_files.py compares both FMUs with this process in scenarios that have together all that any
-has; tests/explorer/test_bits.py the native one in every scenario.
+tests/scenario/files/test_scenario_files.py compares both FMUs with this process in scenarios that have together all
+that any has; tests/explorer/test_bits.py the native one in every scenario.
 """
 
 from itertools import count
@@ -20,12 +20,12 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.compiled import Compiled, equal
-from tests.support.drawn import drawn
-from tests.support.importers import bits
-from tests.support.random_runs import draw_runs, draw_until, load_strategy
-from tests.support.replay import TARGETS, orders, replayed, tried
-from tests.support.runs import BlockRun
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.random_runs import draw_runs, draw_until, load_strategy
+from tests.support.blocks.runs import BlockRun
+from tests.support.compiler.compiled import Compiled, equal
+from tests.support.hosts.importers import bits
+from tests.support.hosts.replay import TARGETS, orders, replayed, tried
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 # Long runs: a failing one is reported as generated, since shrinking it would take minutes.

@@ -20,7 +20,7 @@ from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.verdicts import checks_of
 
 MARKS = "marks on the master"
 ENDS = "ends of the pieces"

@@ -10,8 +10,8 @@ from shutil import copyfile, copytree, ignore_patterns
 import pytest
 
 from tests import ROOT
-from tests.support.fmus import Shared
-from tests.support.mypy_cache import copied_cache
+from tests.support.hosts.fmus import Shared
+from tests.support.project.mypy_cache import copied_cache
 from tools.new_block import write_block
 
 LEFT_OUT = ("install", "__pycache__")

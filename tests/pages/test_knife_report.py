@@ -15,7 +15,7 @@ from motionsync_fmu.pages.report.page import run_charts
 from motionsync_fmu.pages.summary import figure_rows
 from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from tests.pages.reports import named, notes, page
-from tests.support.knife_runs import run_knife
+from tests.support.blocks.knife_runs import run_knife
 
 DEGREES = 0.6  # of the knife, for each mm of the line
 

@@ -1,4 +1,4 @@
-"""The report of a machine that cuts to length, of a run by hand (`tests/support/hand_made_run.py`).
+"""The report of a machine that cuts to length, of a run by hand (`tests/support/scenarios/hand_made_run.py`).
 
 The line runs at 1000 u/s, the front end stands for a cut at 198, the kerf is 4: pieces of 500, 1500, 1500, 1000, 3004
 and 1500 end at 702, 2206, 3710, 4714, 7722 and 9226.
@@ -22,7 +22,7 @@ from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.files.reader import load_scenario
 from tests.pages import reports
 from tests.pages.reports import Run, page, words
-from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
+from tests.support.scenarios.hand_made_run import APPROACH, CUT, HandMadeRun, record
 
 TEXT = """
 title = "All kinds"

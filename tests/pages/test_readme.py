@@ -29,7 +29,7 @@ from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
 HOW_TO = ROOT / "docs" / "how_to"

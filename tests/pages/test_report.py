@@ -27,7 +27,7 @@ from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
 from tests.pages.reports import Run, coloured, named, notes, page, sheets, words
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SHOWN = (

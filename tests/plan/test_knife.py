@@ -17,7 +17,7 @@ from motionsync_fmu.plan.knife import NO_WAY
 from motionsync_fmu.plan.line_plan import default_lengths, default_velocities, plan_machine
 from motionsync_fmu.plan.prediction import ACCELERATION, JERK, NOT_TAKEN, VELOCITY
 from tests.plan.machines import KNIFE, TORQUES, knife
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 PARKING = 4326.748711  # 1.5 (0.6 v)3/1622 = 1e6, with 162 degrees from the window to the park angle
 

@@ -12,9 +12,9 @@ from motionsync_fmu.plan.reader import read_machines
 from motionsync_fmu.scenario.files.reader import load_scenario
 from tests.oracle.measured_line import load as oracle
 from tests.plan.machines import machine
-from tests.support.command_line import Command, assert_one_line
-from tests.support.recordings import run_compiled
-from tests.support.scenario_texts import write_scenario
+from tests.support.project.command_line import Command, assert_one_line
+from tests.support.scenarios.recordings import run_compiled
+from tests.support.scenarios.scenario_texts import write_scenario
 
 MOTOR = {"load.mass": "120", "load.friction": "150", "load.continuous_force": "900", "load.peak_force": "3000"}
 

@@ -14,7 +14,7 @@ from motionsync_fmu.plan.prediction import VELOCITY
 from motionsync_fmu.plan.saw import CYCLE, STROKE, WAYS
 from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, result_of, to
 from tests.plan.machines import JERKLESS, REFERENCE, machine, variant
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velocity
 

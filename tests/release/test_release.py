@@ -32,7 +32,7 @@ from motionsync_fmu.fmus.fmu import BuildOptions
 from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
-from tests.support.fmus import Shared
+from tests.support.hosts.fmus import Shared
 from tools import release
 
 VERSION = __version__.partition(".dev")[0]  # of the next release, or of this one
@@ -47,7 +47,7 @@ MADE = {
 }
 RELEASE = """
 from pathlib import Path
-from tests.support.extras import dry_run, hide_others
+from tests.support.project.extras import dry_run, hide_others
 
 hide_others(*dry_run("release")[0])
 from motionsync_fmu.fmus.fmu import BuildOptions, Flavour

@@ -7,7 +7,7 @@ import pytest
 
 from motionsync_fmu.scenario.recording import Reals
 from tests import ROOT
-from tests.support.pictures import assert_same_picture
+from tests.support.project.pictures import assert_same_picture
 from tools.first_picture import FILE, draw, run_cycles
 
 SECONDS = 3.2  # that are shown: two pieces of 800 mm at 500 mm/s

@@ -26,8 +26,8 @@ from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
-from tests.support.command_line import Command
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command
 
 DOCS = ROOT / "docs"
 

@@ -16,9 +16,9 @@ from motionsync_fmu.commands.app import COMMANDS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import members
 from tests import ROOT
-from tests.support.command_line import Command
-from tests.support.fmus import Fmus
-from tests.support.site import Site, SitePage, made_site
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command
+from tests.support.project.site import Site, SitePage, made_site
 from tools.site.reference import block_reference, without_usual_end
 
 ELSEWHERE = re.compile(r"[a-z]+:")

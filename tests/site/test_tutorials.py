@@ -9,8 +9,8 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.fmus.fmu import Flavour
 from tests import ROOT
-from tests.support.command_line import Command, Outcome
-from tests.support.fmus import Fmus
+from tests.support.hosts.fmus import Fmus
+from tests.support.project.command_line import Command, Outcome
 
 TUTORIAL = ROOT / "docs" / "tutorial"
 FILE = re.compile(r"Make a folder `(\w+)`, and in it a file `scenario.toml`[^`]*```toml\n(.*?)```", re.S)

@@ -15,8 +15,8 @@ from motionsync.cut_to_length.machine_limits import shortest_pitch
 from tests import ROOT
 from tests.model.cut_to_length.harness import machine_data
 from tests.model.cut_to_length.machine_results import CYCLES
-from tests.support.command_line import Command
-from tests.support.pictures import assert_same_picture
+from tests.support.project.command_line import Command
+from tests.support.project.pictures import assert_same_picture
 from tools.shortest_length_picture import BoundaryCurves, compare_with, draw_picture
 
 DOCS = ROOT / "docs"

@@ -21,7 +21,7 @@ from motionsync_fmu.errors import Interrupted, UserError
 from motionsync_fmu.sweeps import worker_pool
 from motionsync_fmu.sweeps.execution import _chunk_size, execute
 from motionsync_fmu.sweeps.part_files import LOCK, Parts
-from tests.support.command_line import Command
+from tests.support.project.command_line import Command
 from tests.sweeps.conftest import Computers, worker
 from tests.sweeps.tiny import Tiny, squares
 

@@ -25,8 +25,8 @@ from motionsync_fmu.sweeps import rows as of_sweep
 from motionsync_fmu.sweeps.result_columns import measure_columns, schema
 from motionsync_fmu.sweeps.rows import rows
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan
-from tests.support.scenario_texts import FREE_SAW
-from tests.support.verdicts import checks_of
+from tests.support.scenarios.scenario_texts import FREE_SAW
+from tests.support.scenarios.verdicts import checks_of
 
 SAW = load_example("FlyingSaw").file
 ALWAYS = ["passed", "refusal", "refused_at", "broken", "first_broken"]

@@ -16,8 +16,8 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.variation.values import split_setting
 from tests import ROOT
 from tests.oracle.cut_to_length.limits import Saw
-from tests.support.drawn import drawn
-from tests.support.scenario_texts import EVEN_RAMP, write_scenario
+from tests.support.blocks.drawn import drawn
+from tests.support.scenarios.scenario_texts import EVEN_RAMP, write_scenario
 
 MACHINES = ROOT / "scenarios" / "CutToLength" / "any_length" / "scenario.toml"
 VELOCITY = "master.velocity=100..5000"

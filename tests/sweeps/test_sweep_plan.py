@@ -21,7 +21,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.sweeps.samples import Method
 from motionsync_fmu.sweeps.sweep_plan import MOST_RUNS, Factor, SweepPlan
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 SAW = load_example("FlyingSaw").file
 CUTTER = load_example("CutToLength").file

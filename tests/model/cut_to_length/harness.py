@@ -11,7 +11,7 @@ from motionsync.cut_to_length.machine_limits import Machine
 from motionsync.cutting.interface import PieceKind
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.machine_results import REFERENCE
-from tests.support.harness import MOTION, BlockHarness
+from tests.support.blocks.harness import MOTION, BlockHarness
 
 INSTANT = 2.0**-40  # s, a step in which nothing moves
 JUST = 1e-6  # s, just before or just after an event

@@ -18,7 +18,7 @@ from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.cutting.interface import LateMode, PieceKind
 from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.batch.simulation import BatchResult, simulate_many
-from tests.support.dice import Bools, Dice, Reals
+from tests.support.blocks.dice import Bools, Dice, Reals
 
 Values = dict[str, Any]
 

@@ -8,9 +8,9 @@ from typing import Any
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.master import MasterInput
 from tests.oracle.cut_to_length import events, reference
-from tests.support import cutting_scripts
-from tests.support.cutting_scripts import random_line, random_marks
-from tests.support.oracle_runs import Script, find_differences
+from tests.support.blocks import cutting_scripts
+from tests.support.blocks.cutting_scripts import random_line, random_marks
+from tests.support.blocks.oracle_runs import Script, find_differences
 
 LEAST_RETURN_TIME = 1e-4
 """Time (s) in which no carriage returns home that has left it."""

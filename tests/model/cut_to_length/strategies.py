@@ -7,9 +7,9 @@ from typing import Any
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.faults import Fault, SkipReason
 from motionsync.cut_to_length.interface import State, ToolMode, Warnings
-from tests.support import cutting_runs
-from tests.support.cutting_runs import COMMANDS, CuttingMachine
-from tests.support.runs import Strategy
+from tests.support.blocks import cutting_runs
+from tests.support.blocks.cutting_runs import COMMANDS, CuttingMachine
+from tests.support.blocks.runs import Strategy
 
 
 def random_machine(r: Random, length: float, duration: float) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.harness import REFERENCE, CutToLengthHarness
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 SCAN = 0.01  # s
 LAG = 0.3  # s, the time constant of the line

@@ -16,8 +16,8 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.model.cut_to_length.harness import REFERENCE, ROUND
-from tests.support.fmus import Fmus
-from tests.support.harness import MOTION, advance
+from tests.support.blocks.harness import MOTION, advance
+from tests.support.hosts.fmus import Fmus
 
 AXIS = {name: value for name, value in REFERENCE.items() if name.startswith("axis.")}
 SAMPLE_TIME, STOP_TIME = 2.0**-6, 9.0  # s

@@ -20,7 +20,7 @@ from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.stepper import RefusedError
 from tests.model.cut_to_length.harness import CutToLengthHarness, near, started_machine
 from tests.model.cut_to_length.scripted_runs import differences
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 LINE = 503.7
 MACHINE: dict[str, Any] = {

@@ -29,7 +29,7 @@ from motionsync.motion.jerk_limited import Motion
 from motionsync_fmu.plan.saw import max_line_velocity
 from tests.model.cut_to_length.harness import machine_data
 from tests.model.cut_to_length.machine_results import EACH_RESULT, MACHINES, Result, pitch_without_jerk, to
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 repeatable = drawn(150)
 

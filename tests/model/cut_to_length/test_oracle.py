@@ -6,7 +6,7 @@ import pytest
 
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.scripted_runs import differences, random_script
-from tests.support.oracle_runs import grid
+from tests.support.blocks.oracle_runs import grid
 
 DURATION = 5.0
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP

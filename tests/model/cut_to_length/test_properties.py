@@ -10,9 +10,9 @@ from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import random_machine, random_tool
-from tests.support.drawn import drawn
-from tests.support.harness import MOTION
-from tests.support.line_phases import (
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.harness import MOTION
+from tests.support.blocks.line_phases import (
     DURATION,
     LENGTH,
     modes,

@@ -9,7 +9,7 @@ import pytest
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
 from motionsync_fmu.interface.variables import variables
-from tests.support.harness import BlockHarness, Row
+from tests.support.blocks.harness import BlockHarness, Row
 
 OUTPUTS = tuple(v.name for v in variables(FlyingSaw()) if v.causality in ("output", "local"))
 RESULTS = (

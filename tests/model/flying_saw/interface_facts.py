@@ -1,7 +1,7 @@
 """What the generic tests have to know of the FlyingSaw's interface, by hand."""
 
 from motionsync_fmu.interface.causality import Interface
-from tests.support.runs import BlockRun
+from tests.support.blocks.runs import BlockRun
 
 COMMANDS = {
     "gear_in_velo.execute",

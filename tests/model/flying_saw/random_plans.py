@@ -21,7 +21,7 @@ from motionsync.flying_saw.profile import ProfileKind
 from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.batch.simulation import BatchResult, simulate_many
 from motionsync_fmu.interface.variables import variables
-from tests.support.dice import Bools, Dice, Reals
+from tests.support.blocks.dice import Bools, Dice, Reals
 
 Values = dict[str, Any]
 

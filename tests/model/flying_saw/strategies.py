@@ -16,8 +16,8 @@ from motionsync.flying_saw.stage import Stage
 from motionsync.flying_saw.sync_mode import SyncMode
 from motionsync.master import MasterInput
 from motionsync.motion.exceeded_limit import Limit
-from tests.support.masters import INPUT_MODES, WanderingMaster
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.masters import INPUT_MODES, WanderingMaster
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 GROUPS = (
     *("reset", "stop", "halt", "gear_out", "gear_in_velo", "gear_in_pos"),

@@ -7,7 +7,7 @@ import pytest
 from motionsync.flying_saw.interface import State
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import AIMS, FIRST, INSTANT, FlyingSawHarness, first_example, near
-from tests.support.harness import grid
+from tests.support.blocks.harness import grid
 
 END, ONLY = MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
 

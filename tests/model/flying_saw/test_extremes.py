@@ -13,8 +13,8 @@ from motionsync.flying_saw.profile import Profile, ProfileKind
 from tests.model.flying_saw.fake_blocks import ProfileMeasurer
 from tests.oracle.numerics.mp import Ratio, mpq
 from tests.oracle.numerics.roots import Exact, at, derivative, roots_inside
-from tests.support.compiled import Compiled, equal
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.compiled import Compiled, equal
 
 repeatable = drawn()
 

@@ -16,8 +16,8 @@ from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
-from tests.support.drawn import drawn
-from tests.support.runs import BlockRun
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.runs import BlockRun
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
 

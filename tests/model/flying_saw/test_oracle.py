@@ -14,8 +14,8 @@ from motionsync.motion.exceeded_limit import Limit
 from motionsync_fmu.interface.recipe import declared_variables
 from tests.model.flying_saw.harness import VELOCITY_CHECKS
 from tests.oracle.flying_saw import reference
-from tests.support.harness import MOTION, Row
-from tests.support.oracle_runs import Script, find_differences, grid, simulate
+from tests.support.blocks.harness import MOTION, Row
+from tests.support.blocks.oracle_runs import Script, find_differences, grid, simulate
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 PEAKS = ("check_max_acceleration", "check_max_deceleration", "check_max_jerk")

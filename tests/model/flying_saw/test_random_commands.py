@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import GROUPS, OUTPUTS, FlyingSawHarness
-from tests.support.drawn import drawn
-from tests.support.numbers import numbers_in
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.numbers import numbers_in
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 rngs = st.integers(0, 2**32 - 1).map(Random)

@@ -12,10 +12,10 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
 from tests.model.flying_saw.harness import FlyingSawHarness
 from tests.model.flying_saw.strategies import MODES
-from tests.support.drawn import drawn
-from tests.support.finite import run_finite
-from tests.support.numbers import TINY, numbers_in
-from tests.support.runs import BlockRun
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.finite import run_finite
+from tests.support.blocks.numbers import TINY, numbers_in
+from tests.support.blocks.runs import BlockRun
 
 LIMITS = (1e-12, 3e-11, 1e-9, 1e-3, 1.0, 100.0, 1e4, 1e5, 1e8, 1e12)
 GEAR_INS, OTHERS = ("gear_in_velo", "gear_in_pos"), ("halt", "move_velocity", "move_absolute", "gear_out")

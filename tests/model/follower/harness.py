@@ -12,7 +12,7 @@ import pytest
 from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
 from motionsync.master import MasterInput
-from tests.support.harness import BlockHarness
+from tests.support.blocks.harness import BlockHarness
 
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
 CYCLIC = {"slave_cycle": 400.0}  # S_h = 100, L = 100

@@ -12,8 +12,8 @@ from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
-from tests.support.masters import INPUT_MODES
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.masters import INPUT_MODES
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 EDGES = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
 MOTION = ("master.position", "master.velocity", "master.acceleration")

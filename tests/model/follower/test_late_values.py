@@ -13,7 +13,7 @@ from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.motion.quintic_peaks import QuinticPeaks
 from tests.model.follower.harness import RECOVERING, FollowerHarness, near, parked, quintic
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 
 def test_a_late_value_is_met_from_the_way_home() -> None:

@@ -10,7 +10,7 @@ from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from tests.model.follower.harness import CYCLIC, END, ONLY, PASSING, START, near, parked
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 
 @pytest.mark.parametrize("mode", [START, END, ONLY])

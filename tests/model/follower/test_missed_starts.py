@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from motionsync.follower.interface import State
 from tests.model.follower.harness import FollowerHarness, near, parked
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 WAITING, NEXT_CYCLE, FOLLOWING = State.M_WAITING, State.M_WAITING_NEXT_CYCLE, State.M_FOLLOWING
 repeatable = drawn(60)

@@ -7,8 +7,8 @@ from typing import Any
 
 from motionsync.follower.block import Follower
 from tests.oracle.follower import COLUMNS, events, reference
-from tests.support.harness import MOTION
-from tests.support.oracle_runs import Script, find_differences, simulate
+from tests.support.blocks.harness import MOTION
+from tests.support.blocks.oracle_runs import Script, find_differences, simulate
 
 SPEED = 200.0  # of the master, u/s
 STOP = 12.0  # s

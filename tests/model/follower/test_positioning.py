@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from tests.model.follower.harness import CYCLIC, PASSING, VARIABLE, FollowerHarness, near, parked, quintic
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 
 def test_the_move_to_the_park_is_time_optimal() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.interface import StartMode, State, Transition
-from tests.support.harness import MOTION, BlockHarness
+from tests.support.blocks.harness import MOTION, BlockHarness
 
 NONE, MASTER, TIME = Transition.NONE, Transition.MASTER_BASED, Transition.TIME_BASED
 STOPPED, WAITING_FOR_START, GEAR_IN = State.STOPPED, State.WAITING_FOR_STARTPOSITION, State.GEAR_IN

@@ -13,8 +13,8 @@ from motionsync.gearing.interface import State, Transition
 from motionsync.gearing.request import PositionSource
 from motionsync.gearing.stage import Stage
 from motionsync.master import MasterInput
-from tests.support.masters import INPUT_MODES, WanderingMaster
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.masters import INPUT_MODES, WanderingMaster
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
 

@@ -18,7 +18,7 @@ from tests.model.gearing.harness import (
     three_halves,
     waiting_for_reference,
 )
-from tests.support.harness import grid
+from tests.support.blocks.harness import grid
 
 
 def test_a_master_based_transition_lies_round_the_reference_position() -> None:

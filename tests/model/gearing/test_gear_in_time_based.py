@@ -16,7 +16,7 @@ from tests.model.gearing.harness import (
     near,
     three_halves,
 )
-from tests.support.harness import grid
+from tests.support.blocks.harness import grid
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ from motionsync.gearing.block import Gearing
 from motionsync.gearing.interface import StartMode, StopMode, Transition
 from motionsync.master import MasterInput
 from tests.oracle.gearing import COLUMNS, reference
-from tests.support.drawn import drawn
-from tests.support.harness import MOTION
-from tests.support.oracle_runs import Script, find_differences, simulate
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.harness import MOTION
+from tests.support.blocks.oracle_runs import Script, find_differences, simulate
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 LENGTH = 10.0

@@ -18,7 +18,7 @@ from tests.model.gearing.harness import (
     near,
     three_halves,
 )
-from tests.support.harness import grid
+from tests.support.blocks.harness import grid
 
 
 def rotary(master_position: float, speed: float, **values: Any) -> GearingHarness:

@@ -17,7 +17,7 @@ from tests.model.gearing.harness import (
     near,
     waiting_for_reference,
 )
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 
 def test_the_slave_goes_back_along_the_curve_and_rests_below_the_trigger() -> None:

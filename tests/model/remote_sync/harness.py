@@ -11,7 +11,7 @@ from motionsync.remote_sync.faults import Refusal
 from motionsync.remote_sync.interface import Estimator, Mode
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import variables
-from tests.support.harness import copy_stepper
+from tests.support.blocks.harness import copy_stepper
 
 OUTPUTS = tuple(v.name for v in variables(RemoteSync()) if not v.settable)
 T = 0.002  # s, the task cycle time unless it is said otherwise

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Estimator, Mode
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 INDICES = (0, 1, -1, 32768, 65535, 65536, 2**31 - 1, -(2**31))
 TUNABLE = ("delay_time_offset", "max_position_difference")

@@ -15,7 +15,7 @@ from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Estimator, Mode
 from tests.model.remote_sync.harness import OUTPUTS, RemoteSyncHarness
 from tests.oracle.remote_sync import RemoteSyncOracle
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 rngs = st.integers(0, 2**32 - 1).map(Random)
 

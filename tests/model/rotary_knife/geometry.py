@@ -13,7 +13,7 @@ from tests.oracle.rotary_knife.curves import Derivatives
 from tests.oracle.rotary_knife.curves import Window as ExactWindow
 from tests.oracle.rotary_knife.limits import HORIZONTAL, TANGENTIAL
 from tests.oracle.rotary_knife.limits import Knife as ExactKnife
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 repeatable = drawn(60)
 

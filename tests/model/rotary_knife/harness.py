@@ -4,7 +4,7 @@ from typing import Any, Self
 
 from motionsync.master import MasterInput
 from motionsync.rotary_knife.block import RotaryKnife
-from tests.support.harness import MOTION, BlockHarness
+from tests.support.blocks.harness import MOTION, BlockHarness
 
 WINDOW: dict[str, Any] = {"sync.before": 30.0, "sync.after": 30.0}
 

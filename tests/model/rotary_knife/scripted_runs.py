@@ -7,9 +7,9 @@ from typing import Any
 from motionsync.master import MasterInput
 from motionsync.rotary_knife.block import RotaryKnife
 from tests.oracle.rotary_knife import reference
-from tests.support import cutting_scripts
-from tests.support.cutting_scripts import random_line, random_marks
-from tests.support.oracle_runs import Script, find_differences
+from tests.support.blocks import cutting_scripts
+from tests.support.blocks.cutting_scripts import random_line, random_marks
+from tests.support.blocks.oracle_runs import Script, find_differences
 
 VELOCITIES = ("limits.max_line_velocity", "limits.max_line_velocity_orders", "line.velocity_request")
 POSITIONS = (

@@ -8,9 +8,9 @@ from motionsync.motion.exceeded_limit import Limit
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode
-from tests.support import cutting_runs
-from tests.support.cutting_runs import COMMANDS, CuttingMachine
-from tests.support.runs import Strategy
+from tests.support.blocks import cutting_runs
+from tests.support.blocks.cutting_runs import COMMANDS, CuttingMachine
+from tests.support.blocks.runs import Strategy
 
 
 def random_knife(r: Random, length: float, duration: float) -> dict[str, Any]:

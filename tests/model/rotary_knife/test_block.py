@@ -17,7 +17,7 @@ from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import KnifeContradiction, Refusal, SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode
 from tests.model.rotary_knife.harness import RotaryKnifeHarness, started_knife
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 SYNC = 600.0  # degrees/s, the knife's velocity in sync
 

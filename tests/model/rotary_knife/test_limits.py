@@ -24,8 +24,8 @@ from tests.oracle.rotary_knife.limits import (
     shortest_way,
 )
 from tests.oracle.rotary_knife.ways import Departure
-from tests.support.compiled import Compiled, equal
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
+from tests.support.compiler.compiled import Compiled, equal
 
 K = 0.6  # ° per mm
 REFERENCE = Knife()

@@ -7,7 +7,7 @@ import pytest
 
 from tests.model.rotary_knife.knife_scripts import HORIZONTAL, LATE, STOP_LINE, script, steady
 from tests.model.rotary_knife.scripted_runs import differences, random_script
-from tests.support.oracle_runs import Script, grid
+from tests.support.blocks.oracle_runs import Script, grid
 
 pytestmark = pytest.mark.slow  # make quick tests blocks by what is known of them
 

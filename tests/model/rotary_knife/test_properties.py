@@ -11,9 +11,9 @@ from motionsync.master import MasterInput
 from motionsync.rotary_knife.interface import State
 from tests.model.rotary_knife.harness import RotaryKnifeHarness
 from tests.model.rotary_knife.strategies import random_knife, random_window
-from tests.support.drawn import drawn
-from tests.support.harness import MOTION
-from tests.support.line_phases import (
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.harness import MOTION
+from tests.support.blocks.line_phases import (
     COMMANDS,
     DURATION,
     LENGTH,

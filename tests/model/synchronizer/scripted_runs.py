@@ -12,8 +12,8 @@ from motionsync.synchronizer.block import Synchronizer
 from tests.oracle.master import stretches
 from tests.oracle.numerics import mp
 from tests.oracle.synchronizer import reference
-from tests.support.harness import MOTION, Row
-from tests.support.oracle_runs import Script, find_differences, simulate
+from tests.support.blocks.harness import MOTION, Row
+from tests.support.blocks.oracle_runs import Script, find_differences, simulate
 
 WRAPPED = ("slave.position", "local.ramp_begin", "local.ramp_end")
 LENGTHS = ("local.distance_to_begin", "local.distance_to_end", "local.transition_distance")

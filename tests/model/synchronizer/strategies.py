@@ -11,8 +11,8 @@ from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Fault
 from motionsync.synchronizer.interface import Curve, State
-from tests.support.masters import INPUT_MODES
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.masters import INPUT_MODES
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 
 @st.composite

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync.synchronizer.interface import Curve
 from tests.model.synchronizer.harness import END, EXECUTING, ONLY, PARABOLA, POLYNOMIAL, READY, START, Harness
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 
 @pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])

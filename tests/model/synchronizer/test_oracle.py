@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from tests.model.synchronizer.harness import END, ONLY, START
 from tests.model.synchronizer.scripted_runs import Scales, assert_as_oracle, coinciding, parts, scripts
-from tests.support.drawn import drawn
-from tests.support.oracle_runs import corners, grid
+from tests.support.blocks.drawn import drawn
+from tests.support.blocks.oracle_runs import corners, grid
 
 repeatable = drawn(250)
 

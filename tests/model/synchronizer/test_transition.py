@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from motionsync.numerics.grid import floor
 from motionsync.synchronizer.interface import Curve
 from motionsync.synchronizer.transition import PhasingTransition, half_law
-from tests.support.drawn import drawn
+from tests.support.blocks.drawn import drawn
 
 repeatable = drawn()
 

@@ -9,8 +9,8 @@ from motionsync.shifter.block import Shifter
 from motionsync.shifter.faults import Fault
 from motionsync.shifter.interface import State
 from motionsync_fmu.interface.roles import MOTION
-from tests.support.masters import INPUT_MODES
-from tests.support.runs import EXTREMES, BlockRun, Strategy
+from tests.support.blocks.masters import INPUT_MODES
+from tests.support.blocks.runs import EXTREMES, BlockRun, Strategy
 
 
 @st.composite

@@ -1,0 +1,1 @@
+"""Commands that describe, build and write, and the command line itself."""

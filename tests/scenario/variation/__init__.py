@@ -1,0 +1,1 @@
+"""Values that take the place of a scenario's."""

@@ -1,0 +1,1 @@
+"""Runs of blocks in this process, random and by hand, and their comparison with oracles."""

@@ -1,0 +1,1 @@
+"""What runs FMUs and libraries: importers, validators, hosts in C."""

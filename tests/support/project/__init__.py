@@ -1,0 +1,1 @@
+"""The project itself: its commands, extras, pages and pictures."""

@@ -1,0 +1,1 @@
+"""Scenarios, their files, runs and references."""
