@@ -6,13 +6,13 @@ Readings of the specification:
 - The velocity stays, unless a stop with the motion's own deceleration and jerk would end beyond an end position, or
   beyond where the axis is, by more than a stop from the axis's greatest velocity. Then the motion begins with that
   velocity, and does not speed up.
-- Which limit the state before was beyond shows as long as the motion lasts.
+- Which limit the state before was beyond, by more than 1e-6 of it, shows as long as the motion lasts.
 - A limit that is no number above 0 limits nothing.
 """
 
 from dataclasses import replace
 
-from tests.oracle.flying_saw.limits import MAX_ACCELERATION, MAX_DECELERATION, MAX_VELOCITY, NONE, AxisData
+from tests.oracle.flying_saw.limits import INSTANT, MAX_ACCELERATION, MAX_DECELERATION, MAX_VELOCITY, NONE, AxisData
 from tests.oracle.flying_saw.motion import run, stop
 from tests.oracle.master import Motion
 from tests.oracle.numerics import mp
@@ -26,7 +26,7 @@ def begin_of_own_motion(state: Motion, axis: AxisData, deceleration: Number, jer
     limits = axis.velocity, axis.acceleration, axis.deceleration
     bounded = replace(state, acceleration=attainable_acceleration(state.velocity, state.acceleration, *limits))
     code = NONE
-    if bounded != state:
+    if abs(state.acceleration) > abs(bounded.acceleration) * (1 + INSTANT):
         code = MAX_DECELERATION if state.velocity * state.acceleration < 0 else MAX_ACCELERATION
     greatest = axis.velocity
     if not 0 < greatest < mp.inf:

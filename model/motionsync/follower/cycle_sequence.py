@@ -152,7 +152,7 @@ class CycleSequence:
     def try_join(self, parameters: FollowerInterface, master: float, time: float) -> bool:
         """Join a meeting whose value comes too late, if the way is no faster than that to the earliest meeting, a cycle
         after the one before, and if it keeps the limits at the master's velocity then."""
-        if not self.may_join(parameters) or self.try_drop_value(parameters):
+        if not self.may_join(parameters):
             return False
         is_parked = self.current.is_parked()
         goes_back = parameters.master.is_measured()  # and the slave with it
@@ -160,7 +160,7 @@ class CycleSequence:
         meeting = self.meetings.new_meeting(parameters)
         tolerance = POSITION_TOLERANCE * parameters.master_cycle
         is_in_time = is_parked and meeting - self.approach_travel(parameters) >= begin - tolerance
-        if meeting <= begin + tolerance or is_in_time:
+        if meeting <= begin + tolerance or is_in_time or self.try_drop_value(parameters):
             return False
         fastest = FAR
         earliest = self.current.last_meeting + parameters.master_cycle

@@ -44,7 +44,8 @@ class MotionStart:
         self.acceleration = attainable_acceleration(
             self.velocity, acceleration, max_velocity, max_acceleration, max_deceleration
         )
-        if self.acceleration != acceleration and self.exceeded.limit == Limit.NONE:
+        is_beyond = abs(acceleration) > abs(self.acceleration) * (1.0 + SETPOINT_TOLERANCE)
+        if is_beyond and self.exceeded.limit == Limit.NONE:
             is_faster = self.velocity * acceleration >= 0.0
             self.exceeded.set(Limit.MAX_ACCELERATION if is_faster else Limit.MAX_DECELERATION, abs(acceleration))
 

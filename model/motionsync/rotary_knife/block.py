@@ -370,8 +370,8 @@ class RotaryKnife(RotaryKnifeInterface):
         travel = path.end - path.positions[path.section]
         if self.hold or self.is_blocked or travel < 0.0 or (path.is_correction() and travel == 0.0):
             return False
-        if self.operation.is_cut_pending:
-            return self.try_requested_cut()
+        if self.operation.is_cut_pending:  # by rounding of its position a line that runs back has a correction forwards
+            return not self.master.goes_against(1.0) and self.try_requested_cut()
         return travel > 0.0 and self.material.piece.is_fixed and self.try_ramp()
 
     def try_ramp(self) -> bool:

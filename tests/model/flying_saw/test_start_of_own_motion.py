@@ -59,6 +59,18 @@ def test_within_the_limits_of_the_axis_it_starts_as_the_slave_moves() -> None:
     assert exceeded(saw) == (Limit.NONE, 0.0)
 
 
+@pytest.mark.parametrize("limit", [10000.0, 7777.7, 0.3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_beyond_the_limit_by_rounding_is_not_reported(limit: float, sign: float) -> None:
+    """The README: a setpoint counts as beyond a limit if it exceeds it by more than 1e-6 of it."""
+    code = Limit.MAX_ACCELERATION if sign > 0.0 else Limit.MAX_DECELERATION
+    for beyond, reported in ((2.0**-52, Limit.NONE), (1e-9, Limit.NONE), (9e-7, Limit.NONE), (1.1e-6, code)):
+        saw = FlyingSawHarness({"axis.initial_velocity": SPEED, "axis.max_acceleration": limit}, speed=SPEED).modes()
+        saw.set({"axis.max_deceleration": limit}).give("gear_in_velo").run(0.2)
+        saw.give("halt").run(0.001, acceleration=sign * limit * (1.0 + beyond))
+        assert exceeded(saw)[0] == reported
+
+
 def test_at_rest_the_greater_limit_counts() -> None:
     """A standing slave neither speeds up nor slows down."""
     saw = FlyingSawHarness({"axis.max_deceleration": 12000.0}, speed=0.0).modes().give("gear_in_velo").run(0.1)

@@ -34,6 +34,20 @@ def test_a_late_value_is_met_from_the_way_home() -> None:
     assert follower["cycle"] == 1
 
 
+@pytest.mark.parametrize("speed", [100.0, 37.0])
+@pytest.mark.parametrize(("meeting", "is_retained"), [(1150.0, True), (1299.0, True), (1301.0, False), (1999.0, False)])
+def test_a_value_whose_meeting_has_passed_waits_up_to_the_park(meeting: float, is_retained: bool, speed: float) -> None:
+    """There is nothing to join, so the value waits as without recover_late_sync; one that could be joined, were it not
+    too soon, is dropped at once."""
+    follower = parked(speed=speed, **RECOVERING).to(1300.0).set({"sync_master": meeting}).run(1e-3)
+    reason = follower["local.drop_reason"]
+    assert reason == (DropReason.NONE if is_retained else DropReason.TOO_SOON)
+    assert (follower.to(1310.0).state, follower["local.meeting_known"]) == (State.M_HOMING, is_retained)
+    assert follower["master_to_out"] == near(meeting + 200.0 - 1310.0 if is_retained else 0.0)
+    assert (follower.to(1451.0).state, follower["local.meeting_known"]) == (State.M_WAITING, False)
+    assert follower["local.drop_reason"] == (DropReason.TOO_SOON if is_retained else DropReason.NONE)
+
+
 def test_a_late_value_is_met_from_the_park() -> None:
     follower = parked(**RECOVERING).to(2000.0).set({"sync_master": 2150.0}).to(2075.0)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(quintic(150.0, 0.0, 0.0, 100.0, 1.0, 75.0)))

@@ -239,6 +239,21 @@ def test_cut_now_at_rest_cuts_after_the_ramp() -> None:
     assert (knife["last.kind"], knife["last.length"]) == (PieceKind.SHORT, near(670.0))
 
 
+@pytest.mark.parametrize("speed", [90.7, 53.9, 311.3, 0.7])
+@pytest.mark.parametrize("step", [0.007, 0.0123])
+def test_cut_now_waits_for_a_line_that_runs_back(speed: float, step: float) -> None:
+    """In 30 steps, whose positions are rounded forwards; the cut is 570 after where the line turns."""
+    knife = started_knife({"length": 5000.0}).at(0.4)
+    knife.speed = -speed
+    knife.give("cut_now")
+    for _ in range(30):
+        knife.master_position = math.nextafter(knife.master_position, math.inf)
+        assert (knife.run(step).state, knife["piece.kind"]) == (State.WAITING, PieceKind.PRODUCT)
+    knife.speed = 1000.0
+    knife.run(0.57 + 1e-6)
+    assert (knife["last.kind"], knife["last.length"]) == (PieceKind.SHORT, near(970.0 - 30.0 * step * speed))
+
+
 def test_cut_now_on_a_curve_gains_what_the_limits_allow_or_warns() -> None:
     """400 of 1200 have passed at 500 u/s: the cut is made long before it is due. Where the axis is at its limit, which
     rounding may exceed by 1e-9, nothing is gained."""

@@ -19,6 +19,9 @@ from tests.oracle.numerics import mp
 from tests.oracle.numerics.root_search import find_root
 from tests.oracle.timed_motion import AxisState, Motion, Rest, TimedMotion, relative_state, timed_motion
 
+NEAR = 1e-6
+"""Of a curve's width: so near to one of its ends it is at that end, since rows are taken within 1e-9 s of events."""
+
 
 @dataclass(frozen=True, slots=True)
 class MasterSection:
@@ -70,7 +73,7 @@ class InSync:
 class CurveOverMaster:
     """A curve over the master's travel μ from the position of a cut on: u = (μ - begin)/width from 0 to 1.
 
-    s = base + slope·μ + scale·P(u), with the coefficients of P in rising order; beyond its ends it goes on as at them.
+    s = base + slope·μ + scale·P(u), with the coefficients of P in rising order; beyond its ends P and its slope stay.
     """
 
     cut_position: float
@@ -82,13 +85,16 @@ class CurveOverMaster:
     polynomial: Sequence[float]
 
     def share(self, master: Motion) -> float:
-        """u, within 0 and 1."""
-        return min(max((master.position - self.cut_position - self.begin) / self.width, 0.0), 1.0)
+        """u, which is beyond 0 or 1 where the master is beyond the ends."""
+        return (master.position - self.cut_position - self.begin) / self.width
 
     def at(self, _time: float, master: Motion) -> AxisState:
         """By the chain rule, with the master's jerk as 0."""
-        u, v, a, w = self.share(master), master.velocity, master.acceleration, self.width
+        share, v, a, w = self.share(master), master.velocity, master.acceleration, self.width
+        u = min(max(share, 0.0), 1.0)
         f = [_value(self.polynomial, u, order) * self.scale / w**order for order in range(4)]
+        if abs(share - u) > NEAR:
+            f[3] = 0.0  # the slope stays
         slope = f[1] + self.slope
         s = self.base + self.slope * (master.position - self.cut_position) + f[0]
         return s, slope * v, f[2] * v**2 + slope * a, f[3] * v**3 + 3 * f[2] * v * a

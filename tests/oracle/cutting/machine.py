@@ -95,12 +95,13 @@ class PieceMachine(ABC):
         """All sections, interrupted by the sets; what happens by itself at the time of a set comes before it."""
         end = sections[-1].end
         times = sorted({*(c.begin for c in sections), *(t for t in sets if t <= end)})
-        section_of = {c.begin: c for c in sections}
+        section_of, step_begins = {c.begin: c for c in sections}, frozenset(self.steps)
         for time, until in zip(times, [*times[1:], end], strict=True):
-            self.time, self.at_step_begin = time, True
+            self.time, self.at_step_begin = time, time in step_begins
             if time in section_of:
                 self.section = section_of[time]
-            self._begin_step(sets.get(time, {}), first_step=time == 0)
+            if self.at_step_begin:  # where the master only turns back no step begins
+                self._begin_step(sets.get(time, {}), first_step=time == 0)
             self.at_step_begin = False
             self._run_until(until)
 
@@ -127,8 +128,7 @@ class PieceMachine(ABC):
         records = self.records
         if records.is_running and records.piece is None:
             records.fix_piece()
-        if records.is_running and records.has_invalid_settings:
-            self.refusal = TUNABLE
+            self.refusal = TUNABLE if records.has_invalid_settings else self.refusal
         if records.is_running:
             records.change_piece(self._can_still_reach)
         if records.are_marks_expected and not self.has_mark_edge:

@@ -6,7 +6,7 @@ Readings of the specification that it leaves open:
 - A block belongs to its latest edge: if the same block is started again while its command runs and that is refused, it
   shows the error, and what becomes of the older command, which goes on, is not shown any more.
 - A command in_sync or in_velocity whose execute has fallen shows nothing, but still shows its abortion for one step;
-  parked by the backstop it is busy again.
+  parked by the backstop it is busy again, and in_sync is not shown for a step in which it is parked.
 - start_sync holds in SYNCHRONIZING and SYNCHRON for as long as the block is busy or shows in_sync.
 - `reset` is accepted while the axis is locked; it clears the error and does not release the lock.
 """

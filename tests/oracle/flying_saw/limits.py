@@ -4,11 +4,11 @@ Readings of the description:
 - What was planned counts from its beginning to its end: a profile until it is in sync, a time-based ramp at constant
   master velocity until it has arrived, a move or a change of velocity until it is over, the halt of the backstop until
   the slave is at rest. A stop at once counts until another motion starts.
-- Beside that, what the slave does at an instant counts.
+- Beside that, what the slave does at the end of a step counts, and its mean velocity in the step.
 - Of several limits the first one in the order of the codes is shown.
 - An end position is passed by more than 1e-9 of itself and of the travel in 1 s at the axis's velocity. A plan exceeds
-  a limit by more than 1e-9 of it, an instant by more than 1e-6. A slave slower than 1e-6 of the axis's velocity gets
-  neither faster nor slower: it may have the greater acceleration of the two.
+  a limit by more than 1e-9 of it, an instant or a step by more than 1e-6. A slave slower than 1e-6 of the axis's
+  velocity gets neither faster nor slower: it may have the greater acceleration of the two.
 - A limit that is no number above 0 limits nothing.
 """
 
@@ -75,6 +75,11 @@ def by_instant(state: Sequence[Number], axis: AxisData) -> int:
     if abs(v) <= INSTANT * axis.velocity:
         faster, slower = (abs(a) if abs(a) > max(axis.acceleration, axis.deceleration) else ZERO), ZERO
     return _first(axis, INSTANT, (s, s), (abs(v), faster, slower, abs(j)))
+
+
+def by_way(way: Number, duration: Number, axis: AxisData) -> int:
+    """The code of what the way of a step in so much time exceeds: its mean velocity may be too great."""
+    return MAX_VELOCITY if 0 < axis.velocity * (1 + INSTANT) * duration < abs(way) else NONE
 
 
 def _first(axis: AxisData, tolerance: Number, ends: Sequence[Number], sizes: Sequence[Number]) -> int:

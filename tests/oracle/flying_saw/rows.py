@@ -1,16 +1,16 @@
 """The rows of a run of the FlyingSaw's oracle: what the step that ends at a time puts out."""
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from tests.oracle.event_run import WINDOW, Snapshot, SnapshotRows
-from tests.oracle.flying_saw.commands import Pulse, shown
+from tests.oracle.flying_saw.commands import DONE, Pulse, shown
 from tests.oracle.flying_saw.curves import ZERO
 from tests.oracle.flying_saw.laws import Follow, Law
 from tests.oracle.flying_saw.limits import NONE as WITHIN_LIMITS
-from tests.oracle.flying_saw.limits import AxisData, by_instant
+from tests.oracle.flying_saw.limits import AxisData, by_instant, by_way
 from tests.oracle.master import Stretch
 from tests.oracle.numerics import mp
 from tests.oracle.numerics.mp import Number
@@ -49,9 +49,12 @@ class FlyingSawRows(SnapshotRows[SawSnapshot]):
         outputs = dict(snapshot.outputs)
         state = outputs.pop("coupled_state") or _own_state(v, a)
         for pulse in self._pulses(t, side):
+            if pulse.shows == DONE and outputs[f"{pulse.group}.busy"]:
+                continue  # it was parked in the same step
             synchronizing = outputs["coupled"] != 0 and state != PREPHASE
             outputs |= shown(pulse.group, pulse.shows, pulse.error_id, synchronizing)
-        limits = {snapshot.exceeded, by_instant((s, v, a, j), snapshot.axis)} if t > 0 else set()
+        limits = {snapshot.exceeded, by_instant((s, v, a, j), snapshot.axis), self._by_way(t, s, snapshot.axis)}
+        limits = limits if t > 0 else set()
         exceeded = min(limits - {WITHIN_LIMITS}, default=WITHIN_LIMITS)
         row = {
             "time": float(t),
@@ -66,9 +69,20 @@ class FlyingSawRows(SnapshotRows[SawSnapshot]):
         }
         return row | outputs
 
+    def _step_begin(self, t: Number) -> Number:
+        """Where the step begins that ends at t."""
+        return mp.mpf(self.grid[max(bisect_left(self.grid, t - WINDOW) - 1, 0)])
+
+    def _by_way(self, t: Number, position: Number, axis: AxisData) -> int:
+        """The code of what the way of the step exceeds that ends at t, at that position."""
+        begin = self._step_begin(t)
+        snapshot = self.snapshots[bisect_right(self.snapshots, begin, key=lambda s: s.time) - 1]
+        before, *_ = snapshot.law.at(begin, self.master_at(begin, 1), 1)
+        return by_way(position - before, t - begin, axis)
+
     def _pulses(self, t: Number, side: int) -> list[Pulse]:
         """The results shown in the step that ends at t: those that arose in it, whether or not just at its ends."""
-        begin = self.grid[max(bisect_left(self.grid, t - WINDOW) - 1, 0)]
+        begin = self._step_begin(t)
         pulses = []
         for pulse in self.pulses:
             early, late = pulse.time - begin, pulse.time - t
