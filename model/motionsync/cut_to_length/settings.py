@@ -87,8 +87,9 @@ def start_refusal(block: CutToLengthInterface) -> Refusal:
 
 def refused_parameter(block: CutToLengthInterface) -> int:
     """The code of the first parameter that is out of its range, or contradicts another one; 0: all are valid."""
-    if var.first_invalid(block) > 0:
-        return var.first_invalid(block)
+    invalid = var.first_invalid(block)
+    if invalid > 0:
+        return invalid
     if not is_home_reachable(block):
         return SawContradiction.HOME
     return contradiction(block)

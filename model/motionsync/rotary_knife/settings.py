@@ -90,8 +90,9 @@ class KnifeSettings:
 
     def refused_parameter(self, block: RotaryKnifeInterface) -> int:
         """The code of the first parameter that is out of its range, or contradicts another one; 0: all are valid."""
-        if var.first_invalid(block) > 0:
-            return var.first_invalid(block)
+        invalid = var.first_invalid(block)
+        if invalid > 0:
+            return invalid
         if self.contradiction != KnifeContradiction.NONE:
             return self.contradiction
         return contradiction(block)

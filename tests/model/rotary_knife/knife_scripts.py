@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from tests.oracle.rotary_knife import reference
-
 LATE, STOP_LINE = 2, 3
 HORIZONTAL = 2
 
@@ -31,8 +29,3 @@ def steady(velocity: float, duration: float, *sets: dict[str, Any], **values: An
 
 def _dotted(values: dict[str, Any]) -> dict[str, Any]:
     return {name.replace("__", "."): value for name, value in values.items()}
-
-
-def row_at(run: Script, time: float) -> Row:
-    """The row just after `time`."""
-    return reference(run, [time])[-1]

@@ -26,7 +26,7 @@ from motionsync_fmu.scenario.variation.scenario_variation import ScenarioVariati
 from tests.oracle.measured_line import encoder as oracle
 from tests.oracle.numerics import mp, splitmix64
 from tests.support.scenarios.recordings import assert_as_in_python
-from tests.support.scenarios.scenario_texts import ENCODED_SAW, write_scenario
+from tests.support.scenarios.scenario_texts import COUPLED, ENCODED_SAW, write_scenario
 
 LINE = """\
 title = "A measured line"
@@ -289,32 +289,9 @@ def test_results_have_the_true_master_and_the_measured_one(tmp_path: Path) -> No
 
 # --- a line that follows its slave ---
 
-DRIVEN = """\
-title = "A measured line that follows its slave"
-fmu = "Gearing"
-stop_time = 2.0
-step_size = 0.01
-
-[start]
-"gear_in.start_mode" = "CW_CCW_DIRECT"
-"gear_in.transition" = "NONE"
-"gearing.numerator" = 1
-"gearing.denominator" = 2
-
-[master]
-velocity = 100.0
-follows = "slave.velocity"
-time_constant = 0.3
-
-[encoder]
-delay = 0.137
-noise = 0.01
-sample_time = 0.004
-
-[[set]]
-at = 0.2
-start = true
-"""
+DRIVEN = COUPLED.replace(
+    "[[set]]\nat = 0.1", "[encoder]\ndelay = 0.137\nnoise = 0.01\nsample_time = 0.004\n\n[[set]]\nat = 0.2"
+)
 
 
 def test_a_line_that_follows_the_block_is_remembered(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.blocks.drawn import drawn
 from tests.support.hosts.fmus import Fmus
-from tests.support.scenarios.scenario_texts import FREE_SAW, write_scenario
+from tests.support.scenarios.scenario_texts import FREE_SAW, assert_refused, write_scenario
 from tests.support.scenarios.stored_references import keep
 from tests.support.scenarios.verdicts import checks_of
 
@@ -479,12 +479,7 @@ def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path)
     text = VALID.replace(old, new, 1)
     if name == "one table":
         text = text[: text.index("[[on]]")]
-    file = write_scenario(text, tmp_path)
-    with pytest.raises(UserError) as result:
-        load_scenario(file)
-    assert str(result.value).startswith(f"{file}:{line}: {key}: ")
-    assert [word for word in words if word not in str(result.value)] == []
-    assert "\n" not in str(result.value)
+    assert_refused(text, tmp_path, line, key, *words)
 
 
 def test_the_length_of_the_cuts_can_be_added(tmp_path: Path) -> None:

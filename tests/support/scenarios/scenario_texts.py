@@ -1,4 +1,4 @@
-"""Texts of scenarios: of a saw that moves freely, of one that searches run, and of a Synchronizer with all tables."""
+"""Texts of scenarios: of saws, of a line that follows its slave, of a Synchronizer; and mistakes in such texts."""
 
 from pathlib import Path
 
@@ -99,6 +99,27 @@ resolution = 0.1
 [[set]]
 at = 0.2
 "gear_in_pos.execute" = true
+"""
+COUPLED = """\
+title = "The line follows a slave that goes half as fast as the line itself"
+fmu = "Gearing"
+stop_time = 2.0
+step_size = 0.01
+
+[start]
+"gear_in.start_mode" = "CW_CCW_DIRECT"
+"gear_in.transition" = "NONE"
+"gearing.numerator" = 1
+"gearing.denominator" = 2
+
+[master]
+velocity = 100.0
+follows = "slave.velocity"
+time_constant = 0.3
+
+[[set]]
+at = 0.1
+start = true
 """
 
 
